@@ -1,0 +1,70 @@
+// Bounded hand-off from exactly one producer thread to exactly one consumer thread.
+// Lock-free and allocation-free after construction (boost::lockfree::spsc_queue); an empty ring is waited
+// for on a futex (C++20 atomic wait), never by spinning. When full, try_push refuses: the caller counts the drop.
+#pragma once
+
+#include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "pipeline/base/expects.hpp"
+
+namespace povslam {
+
+template <class T>
+class SpscRing {
+ public:
+  explicit SpscRing(std::size_t capacity) : queue_(capacity), capacity_(capacity) { EXPECTS(capacity > 0); }
+  SpscRing(const SpscRing&) = delete;
+  SpscRing& operator=(const SpscRing&) = delete;
+
+  // Producer thread. False when full or closed; the value is then left untouched.
+  bool try_push(T&& value) {
+    if (closed_.load(std::memory_order_acquire)) return false;
+    if (!queue_.push(std::move(value))) return false;
+    signal();
+    return true;
+  }
+
+  // Consumer thread. Nothing when empty at this moment.
+  std::optional<T> try_pop() {
+    std::optional<T> value;
+    queue_.consume_one([&value](T& front) { value.emplace(std::move(front)); });
+    return value;
+  }
+
+  // Consumer thread. Sleeps until a value comes; nothing once the ring is closed and empty.
+  std::optional<T> pop() {
+    for (;;) {
+      const std::uint32_t seen = epoch_.load(std::memory_order_acquire);
+      if (auto value = try_pop()) return value;
+      if (closed_.load(std::memory_order_acquire)) return try_pop();
+      epoch_.wait(seen, std::memory_order_acquire);
+    }
+  }
+
+  // Any thread. Wakes the consumer; values already inside can still be popped.
+  void close() {
+    closed_.store(true, std::memory_order_release);
+    signal();
+  }
+
+  std::size_t size() const { return queue_.read_available(); }  // exact on the consumer thread
+  std::size_t capacity() const { return capacity_; }
+
+ private:
+  void signal() {
+    epoch_.fetch_add(1, std::memory_order_release);
+    epoch_.notify_one();
+  }
+
+  boost::lockfree::spsc_queue<T> queue_;
+  std::size_t capacity_;
+  alignas(64) std::atomic<std::uint32_t> epoch_{0};
+  std::atomic<bool> closed_{false};
+};
+
+}  // namespace povslam
