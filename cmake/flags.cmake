@@ -19,6 +19,7 @@ add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-con
 add_compile_options(-Wno-error=null-dereference -Wno-error=array-bounds -Wno-error=stringop-overflow
                     -Wno-error=maybe-uninitialized -Wno-error=restrict)
 add_compile_options(-ffp-contract=off) # same bits from the same source on every machine
+add_compile_definitions(POVSLAM_VERSION="${PROJECT_VERSION}")
 if(POVSLAM_NATIVE)
   add_compile_options(-march=native)
 else()
