@@ -24,7 +24,7 @@ Tracker::Tracker(const PinholeCamera& camera, const FrontendOptions& options, co
       map_(options.orb.num_features, options.map, builder_.level_scales()),
       local_map_(options.map),
       keyframer_(camera, options),
-      smooth_window_(camera, options),
+      smooth_exchange_(camera, options),
       relocaliser_(camera, options),
       matcher_(options.orb.num_features),
       frame_(camera, options),
@@ -32,7 +32,7 @@ Tracker::Tracker(const PinholeCamera& camera, const FrontendOptions& options, co
       T_world_camera_start_(T_world_camera_start) {
   observations_.reserve(static_cast<std::size_t>(options.orb.num_features));
   observed_feature_.reserve(static_cast<std::size_t>(options.orb.num_features));
-  smooth_window_.reserve(problem_);
+  smooth_exchange_.reserve(problem_);
 }
 
 const TrackResult& Tracker::track(const RgbdFrame& input) {
@@ -84,7 +84,7 @@ void Tracker::start_map() {
 Rigid3 Tracker::predict() const {
   if (!have_velocity_ || velocity_span_ <= 0) return last_.T_camera_world;
   // The same speed over the time that really passed (a dropped frame doubles it).
-  const double share = std::clamp(static_cast<double>(frame_.stamp - last_.stamp) / velocity_span_, 0.0, 4.0);
+  const double share = std::clamp(to_seconds(frame_.stamp - last_.stamp) / to_seconds(velocity_span_), 0.0, 4.0);
   return se3_exp(share * se3_log(velocity_)) * last_.T_camera_world;
 }
 
@@ -182,7 +182,7 @@ int Tracker::match_local_map(const Rigid3& T_camera_world, bool wide) {
     MatchCandidate c;
     c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
     c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
-    if (c.u_px < 0.0F || c.v_px < 0.0F || c.u_px > camera_.width - 1 || c.v_px > camera_.height - 1) continue;
+    if (!camera_.contains({c.u_px, c.v_px})) continue;
     const Eigen::Vector3d toward = T_world_camera.translation - point.p_world;
     const double distance = toward.norm();
     if (toward.dot(point.toward_camera) < kMaxViewAngleCos * distance) continue;
@@ -314,7 +314,7 @@ void Tracker::upkeep() {
       seen = map_.keyframe(newest_keyframe_).landmark[static_cast<std::size_t>(i)];
     }
     if (problem_state_ == ProblemState::idle &&
-        smooth_window_.cut(map_, newest_keyframe_, frame_.index, problem_)) {
+        smooth_exchange_.cut(map_, newest_keyframe_, frame_.index, problem_)) {
       problem_state_ = ProblemState::offered;
     }
   }
@@ -336,7 +336,7 @@ void Tracker::give_back(SmoothProblem* problem) {
 void Tracker::apply_answer() {
   if (problem_state_ != ProblemState::answered) return;
   problem_state_ = ProblemState::idle;
-  const Rigid3 T_new_old = smooth_window_.apply(map_, problem_, reference_id_);
+  const Rigid3 T_new_old = smooth_exchange_.apply(map_, problem_, reference_id_);
   result_.T_world_camera = T_new_old * result_.T_world_camera;
   frame_.T_camera_world = frame_.T_camera_world * T_new_old.inverse();
   for (int i = 0; i < frame_.size(); ++i) {

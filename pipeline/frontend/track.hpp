@@ -10,7 +10,7 @@
 #include "pipeline/frontend/map.hpp"
 #include "pipeline/frontend/match.hpp"
 #include "pipeline/frontend/relocalise.hpp"
-#include "pipeline/frontend/smooth_window.hpp"
+#include "pipeline/frontend/smooth_exchange.hpp"
 #include "pipeline/frontend/solve_pose.hpp"
 #include "pipeline/frontend/track_state.hpp"
 
@@ -61,7 +61,7 @@ class Tracker {
   Map map_;
   LocalMap local_map_;
   Keyframer keyframer_;
-  SmoothWindow smooth_window_;
+  SmoothExchange smooth_exchange_;
   Relocaliser relocaliser_;
   Matcher matcher_;
   Frame frame_, last_;

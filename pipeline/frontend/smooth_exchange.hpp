@@ -10,9 +10,9 @@
 
 namespace povslam {
 
-class SmoothWindow {
+class SmoothExchange {
  public:
-  SmoothWindow(const PinholeCamera& camera, const FrontendOptions& options);
+  SmoothExchange(const PinholeCamera& camera, const FrontendOptions& options);
 
   void reserve(SmoothProblem& problem) const;  // once, before its first use
   // The keyframe and those most covisible with it move; others that see the same landmarks hold still.

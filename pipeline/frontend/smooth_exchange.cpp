@@ -1,10 +1,10 @@
-#include "pipeline/frontend/smooth_window.hpp"
+#include "pipeline/frontend/smooth_exchange.hpp"
 
 #include <algorithm>
 
 namespace povslam {
 
-SmoothWindow::SmoothWindow(const PinholeCamera& camera, const FrontendOptions& options)
+SmoothExchange::SmoothExchange(const PinholeCamera& camera, const FrontendOptions& options)
     : camera_(camera),
       options_(options.map),
       pixel_sigma_px_(options.noise.pixel_sigma_px),
@@ -12,19 +12,19 @@ SmoothWindow::SmoothWindow(const PinholeCamera& camera, const FrontendOptions& o
       point_of_landmark_(static_cast<std::size_t>(options.map.max_landmarks), -1),
       motion_of_keyframe_(static_cast<std::size_t>(options.map.max_keyframes)) {}
 
-void SmoothWindow::reserve(SmoothProblem& problem) const {
+void SmoothExchange::reserve(SmoothProblem& problem) const {
   problem.poses.reserve(static_cast<std::size_t>(options_.smooth_max_poses + options_.smooth_max_fixed_poses));
   problem.points.reserve(static_cast<std::size_t>(options_.smooth_max_points));
   problem.observations.reserve(static_cast<std::size_t>(options_.smooth_max_observations));
 }
 
-void SmoothWindow::add_pose(Map& map, std::int32_t slot, bool fixed, SmoothProblem& problem) {
+void SmoothExchange::add_pose(Map& map, std::int32_t slot, bool fixed, SmoothProblem& problem) {
   const Keyframe& kf = map.keyframe(slot);
   pose_of_keyframe_[static_cast<std::size_t>(slot)] = static_cast<std::int32_t>(problem.poses.size());
   problem.poses.push_back({kf.T_world_camera, kf.id, fixed});
 }
 
-void SmoothWindow::add_points(Map& map, std::size_t first_pose, std::size_t last_pose, SmoothProblem& problem) {
+void SmoothExchange::add_points(Map& map, std::size_t first_pose, std::size_t last_pose, SmoothProblem& problem) {
   for (std::size_t p = first_pose; p < last_pose; ++p) {
     for (const std::int32_t slot : map.keyframe(map.find_keyframe(problem.poses[p].keyframe)).landmark) {
       if (slot == kNone || point_of_landmark_[static_cast<std::size_t>(slot)] >= 0) continue;
@@ -38,7 +38,7 @@ void SmoothWindow::add_points(Map& map, std::size_t first_pose, std::size_t last
 }
 
 // Keyframes outside the window that see its landmarks, those with most landmarks first.
-void SmoothWindow::add_fixed_poses(Map& map, SmoothProblem& problem) {
+void SmoothExchange::add_fixed_poses(Map& map, SmoothProblem& problem) {
   for (std::int32_t s = 0; s < map.keyframe_slots(); ++s) map.keyframe(s).votes = 0;
   for (const SmoothProblem::Point& p : problem.points) {
     const Landmark& point = map.landmark(p.landmark);
@@ -58,7 +58,7 @@ void SmoothWindow::add_fixed_poses(Map& map, SmoothProblem& problem) {
   }
 }
 
-void SmoothWindow::add_observations(const Map& map, SmoothProblem& problem) {
+void SmoothExchange::add_observations(const Map& map, SmoothProblem& problem) {
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const Landmark& point = map.landmark(problem.points[i].landmark);
     for (int s = 0; s < point.num_sightings; ++s) {
@@ -80,7 +80,7 @@ void SmoothWindow::add_observations(const Map& map, SmoothProblem& problem) {
   }
 }
 
-bool SmoothWindow::cut(Map& map, std::int32_t slot, std::int64_t frame_index, SmoothProblem& problem) {
+bool SmoothExchange::cut(Map& map, std::int32_t slot, std::int64_t frame_index, SmoothProblem& problem) {
   problem.clear();
   problem.fx = camera_.fx, problem.fy = camera_.fy, problem.cx = camera_.cx, problem.cy = camera_.cy;
   problem.asked_at_frame = frame_index;
@@ -105,7 +105,7 @@ bool SmoothWindow::cut(Map& map, std::int32_t slot, std::int64_t frame_index, Sm
   return !problem.observations.empty();
 }
 
-void SmoothWindow::move_keyframes(Map& map, const SmoothProblem& problem) {
+void SmoothExchange::move_keyframes(Map& map, const SmoothProblem& problem) {
   for (Motion& motion : motion_of_keyframe_) motion = Motion{};
   std::int64_t newest = -1;
   for (const SmoothProblem::Pose& pose : problem.poses) {
@@ -131,7 +131,7 @@ void SmoothWindow::move_keyframes(Map& map, const SmoothProblem& problem) {
 }
 
 // A sighting that does not fit is forgotten, unless the landmark would vanish with it.
-void SmoothWindow::drop_outliers(Map& map, const SmoothProblem& problem) {
+void SmoothExchange::drop_outliers(Map& map, const SmoothProblem& problem) {
   for (const SmoothProblem::Observation& o : problem.observations) {
     if (!o.outlier) continue;
     const SmoothProblem::Point& p = problem.points[static_cast<std::size_t>(o.point)];
@@ -142,7 +142,7 @@ void SmoothWindow::drop_outliers(Map& map, const SmoothProblem& problem) {
   }
 }
 
-Rigid3 SmoothWindow::apply(Map& map, const SmoothProblem& problem, std::int64_t follow_id) {
+Rigid3 SmoothExchange::apply(Map& map, const SmoothProblem& problem, std::int64_t follow_id) {
   if (!problem.converged) return Rigid3{};
   move_keyframes(map, problem);
   const std::int64_t mark = map.new_mark();
