@@ -9,6 +9,8 @@
 
 namespace povslam {
 
+struct FrontendKernels;
+
 struct OrbOptions {
   int num_features = 1000;     // wanted; what the image yields may be less
   int num_levels = 8;          // pyramid levels
@@ -47,7 +49,9 @@ struct PyramidLevel {
 
 class OrbExtractor {
  public:
+  // On the widest instruction set this machine has, or on given kernels (kernels/dispatch.hpp).
   OrbExtractor(int width, int height, const OrbOptions& options);
+  OrbExtractor(int width, int height, const OrbOptions& options, const FrontendKernels& kernels);
   ~OrbExtractor();
   OrbExtractor(OrbExtractor&&) noexcept;
   OrbExtractor& operator=(OrbExtractor&&) noexcept;
