@@ -165,7 +165,7 @@ TEST_P(Kernels, FindACornerWhereItIs) {
     EXPECT_NEAR(x, y, 0.02);
     offsets.push_back(x - tip);
   }
-  EXPECT_LT(std::abs(offsets[0]), 1.5);
+  EXPECT_LT(std::abs(offsets[0]), 2.0);
   EXPECT_NEAR(offsets[1], offsets[0], 0.05);
   EXPECT_NEAR(offsets[2], offsets[0], 0.05);
   image.fill(77);
