@@ -16,7 +16,7 @@ struct OrbOptions {
   int num_levels = 8;          // pyramid levels
   double scale_factor = 1.2;   // size ratio of neighbouring levels
   int fast_threshold = 20;     // grey levels: first choice of a cell
-  int min_fast_threshold = 7;  // grey levels: what a poor cell is lowered to
+  int min_fast_threshold = 7;  // grey levels: what a poor cell is lowered to, for half its share
   int cell_px = 32;            // cell edge on each level over which features are spread
 };
 
