@@ -1,7 +1,7 @@
 // The 256 pixel pairs BRIEF compares. Learnt as in the ORB paper (Rublee et al., ICCV 2011, section 4.3) from 84,513
-// patches of a kitchen and an office, turned to their angle: of 24,000 random pairs in the patch at least 3 px long,
-// the 10,000 whose outcome is most balanced, and of these, the most balanced first, those that correlate with none
-// taken before by more than 0.50.
+// patches of a kitchen and five frames of a second room, turned to their angle: of 24,000 random pairs in the patch at
+// least 3 px long, the 10,000 whose outcome is most balanced, and of these, the most balanced first, those that
+// correlate with none taken before by more than 0.50.
 #pragma once
 
 #include <cstdint>
