@@ -138,9 +138,9 @@ TEST(Smooth, RefusesWhenAllPointsAreAtOnePlace) {
   expect_refused(problem);
 }
 
-TEST(Smooth, RefusesWhenAlmostNothingFits) {
+TEST(Smooth, RefusesWhenMostDoesNotFit) {
   simulated::WindowOptions options = small_window();
-  options.share_outliers = 0.9;
+  options.share_outliers = 0.6;
   expect_refused(simulated::make_window(options).problem);
 }
 
