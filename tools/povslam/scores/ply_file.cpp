@@ -138,7 +138,7 @@ void read_vertex(const Element& element, Body& body, PlyMesh& mesh) {
     if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z')
       p[property.name[0] - 'x'] = value;
   }
-  if (!(p.cwiseAbs().maxCoeff() <= kFarthest_m)) body.fail("vertex without finite x, y, z within 10 km");
+  if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest_m) body.fail("vertex without finite x, y, z within 10 km");
   mesh.vertices.push_back(p);
 }
 

@@ -68,7 +68,7 @@ TEST_F(ScoreFiles, ABrokenEventNamesFileAndLine) {
 TEST_F(ScoreFiles, ABrokenTruthNamesTheByteOrTheKey) {
   const auto cut = read_scene_truth(write("a.json", "{\"lap1_end\": 1.0, \"objects\": ["));
   ASSERT_FALSE(cut);
-  EXPECT_NE(cut.error().message.find("byte 32"), std::string::npos) << cut.error().message;
+  EXPECT_NE(cut.error().message.find("byte 31"), std::string::npos) << cut.error().message;
   const auto wrong = read_scene_truth(write("b.json", "{\"objects\": []}"));
   ASSERT_FALSE(wrong);
   EXPECT_NE(wrong.error().message.find("lap1_end"), std::string::npos) << wrong.error().message;
