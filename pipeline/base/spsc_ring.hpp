@@ -1,13 +1,16 @@
 // Bounded hand-off from exactly one producer thread to exactly one consumer thread.
 // Lock-free and allocation-free after construction (boost::lockfree::spsc_queue); an empty ring is waited
 // for on a futex (C++20 atomic wait), never by spinning. When full, try_push refuses: the caller counts the drop.
+// Values are moved in and out; T needs a move constructor that does not throw.
 #pragma once
 
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "pipeline/base/expects.hpp"
@@ -16,6 +19,8 @@ namespace povslam {
 
 template <class T>
 class SpscRing {
+  static_assert(std::is_nothrow_move_constructible_v<T>);
+
  public:
   explicit SpscRing(std::size_t capacity) : queue_(capacity), capacity_(capacity) { EXPECTS(capacity > 0); }
   SpscRing(const SpscRing&) = delete;
@@ -24,7 +29,8 @@ class SpscRing {
   // Producer thread. False when full or closed; the value is then left untouched.
   bool try_push(T&& value) {
     if (closed_.load(std::memory_order_acquire)) return false;
-    if (!queue_.push(std::move(value))) return false;
+    const auto first = std::make_move_iterator(&value);  // the queue's single push would copy
+    if (queue_.push(first, std::next(first)) == first) return false;
     signal();
     return true;
   }
@@ -46,7 +52,8 @@ class SpscRing {
     }
   }
 
-  // Any thread. Wakes the consumer; values already inside can still be popped.
+  // Any thread. Wakes the consumer; values already inside can still be popped. A push that runs at the same moment may
+  // succeed after the consumer saw the end: who counts every value calls try_pop once more after the producer ended.
   void close() {
     closed_.store(true, std::memory_order_release);
     signal();
@@ -57,7 +64,7 @@ class SpscRing {
 
  private:
   void signal() {
-    epoch_.fetch_add(1, std::memory_order_release);
+    epoch_.fetch_add(1, std::memory_order_seq_cst);  // before the look for a sleeper inside notify_one
     epoch_.notify_one();
   }
 

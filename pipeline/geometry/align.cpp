@@ -22,6 +22,7 @@ std::optional<Rigid3> align_points(std::span<const Eigen::Vector3d> points_a, st
   for (std::size_t i = 0; i < points_a.size(); ++i) {
     cross += (points_a[i] - mean_a) * (points_b[i] - mean_b).transpose();
   }
+  if (!cross.allFinite()) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d s = svd.singularValues();
   if (!allow_degenerate && !(s(1) > 1e-9 * s(0))) return std::nullopt;
