@@ -7,7 +7,7 @@ function(room name folder)
   else()
     file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${folder}/*.cpp)
   endif()
-  list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "/main\\.cpp$|\\.kernel\\.cpp$") # kernels: isa_kernels() below
   list(TRANSFORM ROOM_USES PREPEND povslam_ OUTPUT_VARIABLE uses)
   if(sources)
     add_library(povslam_${name} STATIC ${sources})
@@ -20,10 +20,11 @@ function(room name folder)
   endif()
 endfunction()
 
-# isa_kernels(ROOM FILE…): compiles each kernel source three times, for x86-64-v2, AVX2 and AVX-512; the
+# isa_kernels(ROOM FOLDER): compiles each FOLDER/*.kernel.cpp three times, for x86-64-v2, AVX2 and AVX-512; the
 # source puts itself into namespace POVSLAM_ISA, and a dispatcher in the room picks one at run time.
-function(isa_kernels room)
-  foreach(source ${ARGN})
+function(isa_kernels room folder)
+  file(GLOB kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.kernel.cpp)
+  foreach(source ${kernels})
     get_filename_component(stem ${source} NAME_WE)
     foreach(isa v2 v3 v4)
       set(copy ${CMAKE_CURRENT_BINARY_DIR}/kernels/${room}_${stem}_${isa}.cpp)

@@ -4,17 +4,10 @@
 #include <cstdint>
 
 #include "pipeline/base/time.hpp"
+#include "pipeline/frontend/track_state.hpp"
 #include "pipeline/geometry/rigid.hpp"
 
 namespace povslam {
-
-enum class TrackState : std::uint8_t {
-  initialising = 0,  // no map yet
-  ok = 1,
-  degraded = 2,  // a pose, but weakly supported: covariance is large, do not drive fast on it
-  lost = 3       // no pose: the last one is held with growing covariance while the map is searched
-};
-const char* to_string(TrackState state);
 
 struct StageTimes {  // CPU of the calling thread [ms]
   float features_ms = 0.0F;

@@ -8,14 +8,16 @@
 namespace povslam {
 
 struct SmoothOptions {
-  int max_iterations = 10;          // of each round
-  double huber_threshold = 2.45;    // whitened residual norm (3 dof, 90 %) beyond which the loss is linear
-  double outlier_chi2 = 11.35;      // whitened squared norm (3 dof, 99 %) beyond which an observation is an outlier
+  int max_iterations = 10;              // of each round
+  double huber_threshold = 2.45;        // whitened residual norm (3 dof, 90 %) beyond which the loss is linear
+  double outlier_chi2 = 11.35;          // whitened squared norm (3 dof, 99 %) beyond which an observation is an outlier
+  double outlier_chi2_no_depth = 9.21;  // the same for one without depth (2 dof, 99 %)
   int num_threads = 1;
 };
 
 // Solves in place: non-fixed poses and all points move, observations are marked, the answer fields filled.
-// A problem without a fixed pose, with nothing to move or numerically degenerate comes back unchanged, converged = false.
+// A problem without a fixed pose, with nothing to move or numerically degenerate comes back unchanged, converged =
+// false.
 void smooth(SmoothProblem& problem, const SmoothOptions& options);
 
 }  // namespace povslam

@@ -10,27 +10,29 @@
 namespace povslam {
 
 struct OrbOptions {
-  int num_features = 1000;    // wanted; what the image yields may be less
-  int num_levels = 8;         // pyramid levels
-  double scale_factor = 1.2;  // size ratio of neighbouring levels
-  int fast_threshold = 20;    // grey levels: first choice of a cell
+  int num_features = 1000;     // wanted; what the image yields may be less
+  int num_levels = 8;          // pyramid levels
+  double scale_factor = 1.2;   // size ratio of neighbouring levels
+  int fast_threshold = 20;     // grey levels: first choice of a cell
   int min_fast_threshold = 7;  // grey levels: what a poor cell is lowered to
   int cell_px = 32;            // cell edge on each level over which features are spread
 };
 
 inline constexpr int kMaxPyramidLevels = 12;
+inline constexpr int kOrbBorder = 16;  // px around each pyramid level
 
 using Descriptor = std::array<std::uint64_t, 4>;  // 256 bits
 
-// Structure of arrays, capacity fixed at construction. Positions are sub-pixel, in level-0 pixels as delivered (distorted).
+// Structure of arrays, capacity fixed at construction. Positions are sub-pixel, in level-0 pixels as delivered
+// (distorted).
 struct OrbFeatures {
   explicit OrbFeatures(int capacity = 0);
   int capacity = 0;
   int size = 0;
-  std::vector<float> x, y;           // px, level 0
-  std::vector<float> angle;          // rad, direction of the intensity centroid, (-pi, pi]
-  std::vector<float> response;       // FAST score, grey levels
-  std::vector<std::uint8_t> level;   // pyramid level
+  std::vector<float> x, y;          // px, level 0
+  std::vector<float> angle;         // rad, direction of the intensity centroid, (-pi, pi]
+  std::vector<float> response;      // FAST score, grey levels
+  std::vector<std::uint8_t> level;  // pyramid level
   std::vector<Descriptor> descriptor;
 };
 
@@ -40,7 +42,7 @@ struct PyramidLevel {
   int width = 0, height = 0;  // px
   std::int64_t stride = 0;    // bytes between rows
   const std::uint8_t* pixels = nullptr;
-  float scale = 1.0F;         // level-0 px per px of this level: x0 = (x + 0.5) * scale - 0.5
+  float scale = 1.0F;  // level-0 px per px of this level: x0 = (x + 0.5) * scale - 0.5
 };
 
 class OrbExtractor {

@@ -21,9 +21,9 @@ struct SmoothProblem {
     std::uint32_t generation = 0;  // of the slot: an answer for a landmark that was replaced meanwhile is ignored
   };
   struct Observation {
-    std::int32_t pose = 0, point = 0;      // indices into the arrays here
-    float u_px = 0.0F, v_px = 0.0F;        // rectified pixel
-    float inverse_depth_per_m = 0.0F;      // 1/z measured; 0 = none
+    std::int32_t pose = 0, point = 0;  // indices into the arrays here
+    float u_px = 0.0F, v_px = 0.0F;    // rectified pixel
+    float inverse_depth_per_m = 0.0F;  // 1/z measured; 0 = none
     float sigma_px = 1.0F;
     float sigma_inverse_depth_per_m = 1.0F;
     bool outlier = false;  // answer: does not fit after smoothing

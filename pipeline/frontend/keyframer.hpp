@@ -1,0 +1,40 @@
+// When a frame is kept, what the map learns from it, and what the map forgets.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/frontend/map.hpp"
+#include "pipeline/geometry/camera.hpp"
+
+namespace povslam {
+
+class Keyframer {
+ public:
+  Keyframer(const PinholeCamera& camera, const FrontendOptions& options);
+
+  // Whether a tracked frame shows enough that the map does not know. num_inliers: landmarks that fit in this frame.
+  bool wanted(const Frame& frame, const Map& map, std::int32_t newest, int num_inliers, bool weak);
+
+  // Keeps the frame: landmarks it saw get a sighting, features with depth that saw none become landmarks.
+  std::int32_t insert(Map& map, Frame& frame, const Matrix6d& covariance, std::int64_t parent_id);
+
+  // Forgets landmarks that did not prove themselves and keyframes whose landmarks others see as well.
+  void cull(Map& map, std::int32_t newest);
+
+ private:
+  void create_landmarks(Map& map, Frame& frame, std::int32_t slot);
+  bool redundant(const Map& map, std::int32_t slot) const;
+
+  PinholeCamera camera_;
+  MapOptions options_;
+  double max_depth_m_;
+  int most_inliers_ = 0;  // since the last keyframe: how many landmarks a frame like it sees
+  struct Recent {
+    std::int32_t slot;
+    std::uint32_t generation;
+  };
+  std::vector<Recent> recent_;  // landmarks on probation
+};
+
+}  // namespace povslam

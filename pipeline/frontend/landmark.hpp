@@ -1,0 +1,36 @@
+// A point of the world that features of several keyframes see.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "pipeline/frontend/orb.hpp"
+#include "pipeline/geometry/rigid.hpp"
+
+namespace povslam {
+
+struct LandmarkSighting {
+  std::int32_t keyframe = -1;  // slot in the map
+  std::int32_t feature = -1;   // index in the keyframe
+};
+
+inline constexpr int kMaxSightings = 32;
+
+struct Landmark {
+  Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+  Eigen::Vector3d toward_camera = Eigen::Vector3d::Zero();  // unit, mean direction it was seen from
+  Descriptor descriptor{};            // the one closest to all others of its sightings
+  float reference_distance_m = 1.0F;  // of the sighting that gave the descriptor…
+  std::uint8_t reference_level = 0;   // …and its pyramid level: predicts the level at another distance
+  bool alive = false;
+  std::uint32_t generation = 0;  // of the slot
+  std::int64_t born_keyframe = -1;
+  std::int32_t anchor = -1;  // keyframe slot it moves with when that is corrected
+  std::int32_t visible = 0;  // frames in which it should have been seen…
+  std::int32_t found = 0;    // …and was
+  std::int64_t mark = -1;    // scratch of whoever walks the map: last visited in …
+  int num_sightings = 0;
+  std::array<LandmarkSighting, kMaxSightings> sightings{};
+};
+
+}  // namespace povslam

@@ -1,0 +1,161 @@
+#include "pipeline/frontend/orb.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/base/expects.hpp"
+#include "pipeline/frontend/kernels/dispatch.hpp"
+#include "pipeline/frontend/orb_pattern.hpp"
+#include "pipeline/frontend/orb_pyramid.hpp"
+#include "pipeline/frontend/orb_spread.hpp"
+
+namespace povslam {
+namespace {
+
+// Features keep this far from the edge of their level: the patch, and what refinement may move them by.
+constexpr int kMarginPx = kPatchRadius + 1;
+constexpr int kMinLevelEdgePx = 2 * kMarginPx + 8;
+static_assert(kOrbBorder >= 3, "corner detection and smoothing look three pixels past the edge");
+
+PixelRect feature_area(const PyramidLevel& level) {
+  return {kMarginPx, kMarginPx, level.width - kMarginPx, level.height - kMarginPx};
+}
+
+}  // namespace
+
+OrbFeatures::OrbFeatures(int capacity_)
+    : capacity(capacity_),
+      x(capacity_),
+      y(capacity_),
+      angle(capacity_),
+      response(capacity_),
+      level(capacity_),
+      descriptor(capacity_) {}
+
+struct OrbExtractor::Impl {
+  Impl(int width, int height, const OrbOptions& options);
+  void extract_level(int index, int wanted, OrbFeatures& features);
+  void smooth(const PyramidLevel& level);
+  void add(const FastCorner& corner, int index, OrbFeatures& features) const;
+
+  OrbOptions options;
+  const FrontendKernels& kernels = frontend_kernels();
+  OrbPyramid pyramid;
+  BriefPattern pattern;
+  PatchMask patch = round_patch();
+  std::vector<CornerSpread> spreads;
+  std::vector<int> quotas;  // features per level
+  std::vector<FastCorner> corners;
+  std::vector<std::uint8_t> corner_scratch, smooth_scratch, smoothed;
+};
+
+OrbExtractor::Impl::Impl(int width, int height, const OrbOptions& given)
+    : options(given),
+      pyramid(width, height, given.num_levels, given.scale_factor, kMinLevelEdgePx),
+      pattern(pyramid.levels()[0].stride) {
+  EXPECTS(std::min(width, height) >= kMinLevelEdgePx && std::max(width, height) <= 65535);
+  EXPECTS(given.num_features >= 1 && given.cell_px >= 1);
+  EXPECTS(given.min_fast_threshold >= 1 && given.min_fast_threshold <= given.fast_threshold &&
+          given.fast_threshold < 255);
+  double total_area = 0.0;
+  for (const PyramidLevel& level : pyramid.levels()) {
+    spreads.emplace_back(feature_area(level), given.cell_px);
+    total_area += 1.0 / (level.scale * level.scale);
+  }
+  // As many features per pixel on every level; coarser levels get what rounding or a finer level leaves.
+  for (const PyramidLevel& level : pyramid.levels()) {
+    quotas.push_back(static_cast<int>(std::lround(given.num_features / (level.scale * level.scale * total_area))));
+  }
+  const PyramidLevel& finest = pyramid.levels()[0];
+  corners.resize(static_cast<std::size_t>(width / 2 + 1) * (height / 2 + 1));
+  corner_scratch.resize(3 * (static_cast<std::size_t>(width) + 2 * kKernelSlack));
+  smooth_scratch.resize(static_cast<std::size_t>(width) + 2 * kKernelSlack);
+  smoothed.resize(static_cast<std::size_t>(finest.stride) * (height + 1));
+}
+
+void OrbExtractor::Impl::smooth(const PyramidLevel& level) {
+  for (int y = 0; y < level.height; ++y) {
+    const std::int64_t row = y * level.stride;
+    kernels.smooth_row(level.pixels + row, level.stride, level.width, smooth_scratch.data(), smoothed.data() + row);
+  }
+}
+
+void OrbExtractor::Impl::add(const FastCorner& corner, int index, OrbFeatures& features) const {
+  const PyramidLevel& level = pyramid.levels()[index];
+  const std::int64_t offset = corner.y * level.stride + corner.x;
+  const PatchMoments moments = kernels.patch_moments(level.pixels + offset, level.stride, &patch);
+  const int k = features.size++;
+  features.x[k] = (static_cast<float>(corner.x) + 0.5F) * level.scale - 0.5F;
+  features.y[k] = (static_cast<float>(corner.y) + 0.5F) * level.scale - 0.5F;
+  features.angle[k] = steady_atan2(static_cast<float>(moments.y), static_cast<float>(moments.x));
+  features.response[k] = corner.score;
+  features.level[k] = static_cast<std::uint8_t>(index);
+  const BriefPattern::Offsets tests = pattern.at_angle(features.angle[k]);
+  kernels.brief(smoothed.data() + offset, tests.first, tests.second, features.descriptor[k].data());
+}
+
+void OrbExtractor::Impl::extract_level(int index, int wanted, OrbFeatures& features) {
+  const PyramidLevel& level = pyramid.levels()[index];
+  const int found = kernels.find_corners({level.pixels, level.stride}, feature_area(level), options.min_fast_threshold,
+                                         corner_scratch.data(), corners.data());
+  const int chosen = spreads[index].choose(corners.data(), found, wanted, options.fast_threshold);
+  if (chosen == 0) return;
+  smooth(level);
+  for (int k = 0; k < chosen; ++k) add(corners[k], index, features);
+}
+
+OrbExtractor::OrbExtractor(int width, int height, const OrbOptions& options)
+    : impl_(std::make_unique<Impl>(width, height, options)) {}
+OrbExtractor::~OrbExtractor() = default;
+OrbExtractor::OrbExtractor(OrbExtractor&&) noexcept = default;
+OrbExtractor& OrbExtractor::operator=(OrbExtractor&&) noexcept = default;
+
+void OrbExtractor::extract(const std::uint8_t* grey, std::int64_t stride, OrbFeatures& features) {
+  EXPECTS(features.capacity >= impl_->options.num_features);
+  EXPECTS(stride >= impl_->pyramid.levels()[0].width);
+  impl_->pyramid.build(impl_->kernels, grey, stride);
+  features.size = 0;
+  int quota = 0;  // of the levels so far
+  for (int l = 0; l < num_levels(); ++l) {
+    quota = l + 1 == num_levels() ? impl_->options.num_features : quota + impl_->quotas[l];
+    impl_->extract_level(l, std::min(quota, impl_->options.num_features) - features.size, features);
+  }
+}
+
+int OrbExtractor::num_levels() const {
+  return static_cast<int>(impl_->pyramid.levels().size());
+}
+const PyramidLevel& OrbExtractor::level(int index) const {
+  return impl_->pyramid.levels()[index];
+}
+float OrbExtractor::scale(int index) const {
+  return static_cast<float>(std::pow(impl_->options.scale_factor, index));
+}
+
+int hamming_distance(const Descriptor& a, const Descriptor& b) {
+  int bits = 0;
+  for (int k = 0; k < 4; ++k) bits += __builtin_popcountll(a[k] ^ b[k]);
+  return bits;
+}
+
+void rgb_to_grey(const std::uint8_t* rgb, std::uint8_t* grey, std::int64_t count) {
+  frontend_kernels().rgb_to_grey(rgb, grey, count);
+}
+
+NearestDescriptor nearest_descriptor(const Descriptor& query, const Descriptor* candidates, int count) {
+  NearestDescriptor nearest;
+  for (int k = 0; k < count; ++k) {
+    const int distance = hamming_distance(query, candidates[k]);
+    if (distance >= nearest.second_distance) continue;
+    if (distance >= nearest.distance) {
+      nearest.second_distance = distance;
+      continue;
+    }
+    nearest.second_distance = nearest.distance;
+    nearest.distance = distance;
+    nearest.index = k;
+  }
+  return nearest;
+}
+
+}  // namespace povslam

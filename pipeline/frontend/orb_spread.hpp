@@ -1,0 +1,48 @@
+// Chooses among the corners of one level so that the chosen lie evenly: every cell of the level gets the same share,
+// what a cell cannot use goes to the others, and inside of a cell no small patch gets a second feature before every
+// patch had its first.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/frontend/kernels/kernels.hpp"
+
+namespace povslam {
+
+class CornerSpread {
+ public:
+  // area: where corners may lie. cell_px: edge of a cell (cells are made to fit the area evenly).
+  CornerSpread(PixelRect area, int cell_px);
+
+  // Moves at most `wanted` of the first `count` corners (in raster order) to the front, sorted by cell row, then cell,
+  // then preference, and returns how many. Corners below good_score are taken in cells that have no better ones, and
+  // elsewhere only when the share of others remains unused.
+  int choose(FastCorner* corners, int count, int wanted, int good_score);
+
+ private:
+  struct Cell {
+    int good = 0;  // candidates at or above good_score
+    int all = 0;
+    int taken = 0;
+    // Of a cell's candidates, those that count in the first round.
+    int eligible() const { return good > 0 ? good : all; }
+  };
+
+  void collect(const FastCorner* corners, int count);
+  void rank(const FastCorner* corners, int good_score);
+  // Raises every cell's `taken` towards `available(cell)` by water-filling; returns what is left of `budget`.
+  template <class Available>
+  int share_out(int budget, Available available);
+
+  PixelRect area_;
+  int cell_columns_, cell_rows_, patches_;               // patches_: per cell and axis
+  std::vector<std::uint16_t> patch_column_, patch_row_;  // of each pixel column and row of the area
+  std::vector<std::uint64_t> best_;                      // two per patch: score and index of its best corners
+  std::vector<Cell> cells_;
+  std::vector<std::uint64_t> candidates_;  // per cell 2 * patches_^2 keys, best first
+  std::vector<std::uint64_t> contest_;
+  std::vector<FastCorner> chosen_;
+};
+
+}  // namespace povslam

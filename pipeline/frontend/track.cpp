@@ -1,0 +1,348 @@
+#include "pipeline/frontend/track.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace povslam {
+
+namespace {
+constexpr int kMinToStart = 80;        // features with depth to begin a map
+constexpr int kMinFromMotion = 20;     // matches that make a motion search worth solving
+constexpr int kMinToRelocalise = 40;   // fitting landmarks before a found place is believed
+constexpr int kSearchedPerFrame = 3;   // keyframes tried each frame while lost
+constexpr float kLocalRadiusPx = 4.0F;
+constexpr double kMaxViewAngleCos = 0.45;
+constexpr std::int32_t kPointOfLast = 1 << 30;  // matcher tags: landmark slots, or this + feature of the last frame
+
+double level_offset(double distance_ratio, double log_scale) { return std::log(distance_ratio) / log_scale; }
+}  // namespace
+
+Tracker::Tracker(const PinholeCamera& camera, const FrontendOptions& options, const Rigid3& T_world_camera_start)
+    : camera_(camera),
+      options_(options),
+      builder_(camera, options),
+      map_(options.orb.num_features, options.map, builder_.level_scales()),
+      local_map_(options.map),
+      keyframer_(camera, options),
+      smooth_exchange_(camera, options),
+      relocaliser_(camera, options),
+      matcher_(options.orb.num_features),
+      frame_(camera, options),
+      last_(camera, options),
+      T_world_camera_start_(T_world_camera_start) {
+  observations_.reserve(static_cast<std::size_t>(options.orb.num_features));
+  observed_feature_.reserve(static_cast<std::size_t>(options.orb.num_features));
+  smooth_exchange_.reserve(problem_);
+}
+
+const TrackResult& Tracker::track(const RgbdFrame& input) {
+  const TimeNs start = thread_cpu_now();
+  result_.keyframe = false;
+  apply_answer();
+  std::swap(frame_, last_);
+  builder_.build(input, frame_);
+  frame_.index = frame_index_++;
+  const TimeNs built = thread_cpu_now();
+  result_.num_features = frame_.size();
+  bool tracked = false;
+  if (result_.state == TrackState::initialising) {
+    start_map();
+    tracked = result_.state != TrackState::initialising;
+  } else if (result_.state == TrackState::lost) {
+    tracked = relocalise();
+  } else {
+    const Rigid3 predicted = predict();
+    tracked = track_motion(predicted) && track_local_map(false);
+    if (!tracked) tracked = relocalise();
+  }
+  const TimeNs posed = thread_cpu_now();
+  if (result_.state != TrackState::initialising) {
+    update_state(tracked);
+    if (tracked) upkeep();
+  }
+  result_.features_ns = built - start;
+  result_.track_ns = posed - built;
+  result_.keyframe_ns = thread_cpu_now() - posed;
+  return result_;
+}
+
+void Tracker::start_map() {
+  int with_depth = 0;
+  for (int i = 0; i < frame_.size(); ++i) with_depth += frame_.has_depth(i) ? 1 : 0;
+  result_.T_world_camera = T_world_camera_start_;
+  if (with_depth < kMinToStart) return;
+  frame_.T_camera_world = T_world_camera_start_.inverse();
+  newest_keyframe_ = keyframer_.insert(map_, frame_, Matrix6d::Zero(), -1);
+  reference_id_ = map_.keyframe(newest_keyframe_).id;
+  result_.state = TrackState::ok;
+  result_.keyframe = true;
+  result_.num_landmarks = map_.num_landmarks();
+  result_.reference_keyframe = reference_id_;
+  result_.T_reference_camera = Rigid3{};
+}
+
+Rigid3 Tracker::predict() const {
+  if (!have_velocity_ || velocity_span_ <= 0) return last_.T_camera_world;
+  // The same speed over the time that really passed (a dropped frame doubles it).
+  const double share = std::clamp(to_seconds(frame_.stamp - last_.stamp) / to_seconds(velocity_span_), 0.0, 4.0);
+  return se3_exp(share * se3_log(velocity_)) * last_.T_camera_world;
+}
+
+bool Tracker::track_motion(const Rigid3& predicted) {
+  const float radius = static_cast<float>(options_.track.search_radius_px);
+  if (match_last(predicted, radius, kMinFromMotion)) return true;
+  if (match_last(predicted, 2.0F * radius, kMinFromMotion)) return true;
+  return match_last(last_.T_camera_world, 4.0F * radius, kMinFromMotion);
+}
+
+// Points the last frame saw (landmarks, and what its depth says of other features) searched around their predicted place.
+bool Tracker::match_last(const Rigid3& predicted, float radius_px, int min_matches) {
+  matcher_.start(frame_);
+  const Rigid3 T_world_last = last_.T_camera_world.inverse();
+  const double log_scale = map_.num_levels() > 1 ? std::log(map_.level_scale(1)) : 1.0;
+  for (int i = 0; i < last_.size(); ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    const std::int32_t seen = last_.landmark[k];
+    if (seen == kNone && !last_.has_depth(i)) continue;
+    const Eigen::Vector3d p_world =
+        seen != kNone ? map_.landmark(seen).p_world : T_world_last * last_.point_camera(i, camera_);
+    const Eigen::Vector3d p = predicted * p_world;
+    if (p.z() < 0.05) continue;
+    const double distance_last = (last_.T_camera_world * p_world).norm();
+    const int level = last_.features.level[k] + static_cast<int>(std::lround(level_offset(distance_last / p.norm(), log_scale)));
+    MatchCandidate c;
+    c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
+    c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
+    c.radius_px = radius_px * std::sqrt(map_.level_scale(std::clamp(level, 0, map_.num_levels() - 1)));
+    c.min_level = static_cast<std::int8_t>(level - 1);
+    c.max_level = static_cast<std::int8_t>(level + 1);
+    c.descriptor = &last_.features.descriptor[k];
+    c.tag = seen != kNone ? seen : kPointOfLast + i;
+    matcher_.match(frame_, c, kMaxDistance, 0.9);
+  }
+  if (matcher_.count() < min_matches) return false;
+  observe_matches(true);
+  PoseSolverOptions solver;
+  solver.first_gate = 4.0;
+  solution_ = solve_pose(camera_, predicted, observations_, solver);
+  if (!solution_.converged || solution_.num_inliers < std::max(10, min_matches / 2)) return false;
+  frame_.T_camera_world = solution_.T_camera_world;
+  std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+  for (std::size_t o = 0; o < observations_.size(); ++o) {
+    const std::int32_t tag = matcher_.tag_of(observed_feature_[o]);
+    if (observations_[o].fits && tag < kPointOfLast) frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = tag;
+  }
+  return true;
+}
+
+// Turns the matcher's pairs into observations for the pose.
+void Tracker::observe_matches(bool with_points_of_last) {
+  observations_.clear();
+  observed_feature_.clear();
+  const Rigid3 T_world_last = last_.T_camera_world.inverse();
+  for (int i = 0; i < frame_.size(); ++i) {
+    const std::int32_t tag = matcher_.tag_of(i);
+    if (tag == kNone) continue;
+    const bool of_last = tag >= kPointOfLast;
+    if (of_last && !with_points_of_last) continue;
+    const std::size_t k = static_cast<std::size_t>(i);
+    PoseObservation o;
+    double point_variance = 1.0;  // of the point's own inverse depth, in units of a reading's
+    if (of_last) {
+      o.p_world = T_world_last * last_.point_camera(tag - kPointOfLast, camera_);
+    } else {
+      const Landmark& point = map_.landmark(tag);
+      o.p_world = point.p_world;
+      point_variance = 1.0 / point.num_sightings;
+    }
+    const double sigma_px = options_.noise.pixel_sigma_px * map_.level_scale(frame_.features.level[k]);
+    o.u_px = frame_.x[k];
+    o.v_px = frame_.y[k];
+    o.weight_px = 1.0 / (sigma_px * sigma_px);
+    if (frame_.has_depth(i)) {
+      const double sigma_d = frame_.sigma_inverse_depth[k];
+      o.inverse_depth_per_m = frame_.inverse_depth[k];
+      o.weight_inverse_depth = 1.0 / (sigma_d * sigma_d * (1.0 + point_variance));
+    }
+    observations_.push_back(o);
+    observed_feature_.push_back(i);
+  }
+}
+
+int Tracker::match_local_map(const Rigid3& T_camera_world, bool wide) {
+  matcher_.start(frame_);
+  const Rigid3 T_world_camera = T_camera_world.inverse();
+  const Eigen::Matrix3d R = T_camera_world.matrix3();
+  const double log_scale = map_.num_levels() > 1 ? std::log(map_.level_scale(1)) : 1.0;
+  int visible = 0;
+  for (const LocalLandmark& local : local_map_.landmarks()) {
+    Landmark& point = map_.landmark(local.slot);
+    const Eigen::Vector3d p = R * point.p_world + T_camera_world.translation;
+    if (p.z() < 0.1) continue;
+    MatchCandidate c;
+    c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
+    c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
+    if (!camera_.contains({c.u_px, c.v_px})) continue;
+    const Eigen::Vector3d toward = T_world_camera.translation - point.p_world;
+    const double distance = toward.norm();
+    if (toward.dot(point.toward_camera) < kMaxViewAngleCos * distance) continue;
+    const double level = point.reference_level + level_offset(point.reference_distance_m / distance, log_scale);
+    if (level < -1.5 || level > map_.num_levels() + 0.5) continue;
+    const int nearest_level = std::clamp(static_cast<int>(std::lround(level)), 0, map_.num_levels() - 1);
+    ++visible;
+    ++point.visible;
+    const float radius = wide ? 4.0F * kLocalRadiusPx : (local.remote ? 2.0F * kLocalRadiusPx : kLocalRadiusPx);
+    c.radius_px = radius * map_.level_scale(nearest_level);
+    c.min_level = static_cast<std::int8_t>(nearest_level - 1);
+    c.max_level = static_cast<std::int8_t>(nearest_level + 1);
+    c.descriptor = &point.descriptor;
+    c.tag = local.slot;
+    matcher_.match(frame_, c, kMaxDistance, kNearestRatio);
+  }
+  return visible;
+}
+
+bool Tracker::track_local_map(bool wide) {
+  local_map_.collect(map_, frame_, frame_.T_camera_world.inverse());
+  match_local_map(frame_.T_camera_world, wide);
+  observe_matches(false);
+  PoseSolverOptions solver;
+  solver.first_gate = wide ? 9.0 : 2.0;
+  const PoseSolution solution = solve_pose(camera_, frame_.T_camera_world, observations_, solver);
+  const bool enough = solution.converged && solution.num_inliers >= options_.track.min_inliers_degraded;
+  if (!enough) return false;
+  std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+  for (std::size_t o = 0; o < observations_.size(); ++o) {
+    if (!observations_[o].fits) continue;
+    const std::int32_t slot = matcher_.tag_of(observed_feature_[o]);
+    frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = slot;
+    ++map_.landmark(slot).found;
+  }
+  accept(solution);
+  return true;
+}
+
+void Tracker::accept(const PoseSolution& solution) {
+  solution_ = solution;
+  frame_.T_camera_world = solution.T_camera_world;
+  result_.T_world_camera = solution.T_camera_world.inverse();
+  result_.num_landmarks = solution.num_inliers;
+  if (local_map_.reference() != kNone) reference_id_ = map_.keyframe(local_map_.reference()).id;
+  // xi perturbs T_camera_world on the left; Rigid3's covariance is of the camera's place and turn in the world.
+  const Matrix6d sigma = (solution.information + 1e-9 * Matrix6d::Identity()).inverse();
+  const Eigen::Matrix3d R = result_.T_world_camera.matrix3();
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = -R;
+  J.bottomRightCorner<3, 3>() = -R;
+  result_.covariance = J * sigma * J.transpose();
+}
+
+bool Tracker::relocalise() {
+  // The newest places first, then the whole map in turn.
+  std::int32_t tried = 0;
+  const auto attempt = [this](std::int32_t slot) {
+    const auto found = relocaliser_.against(map_, slot, frame_);
+    if (!found) return false;
+    std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+    frame_.T_camera_world = found->T_camera_world;
+    if (!track_local_map(true)) return false;
+    if (!track_local_map(false)) return false;
+    return solution_.num_inliers >= kMinToRelocalise;
+  };
+  const Rigid3 held = result_.T_world_camera;
+  const Matrix6d held_covariance = result_.covariance;
+  if (newest_keyframe_ != kNone && map_.keyframe(newest_keyframe_).alive && attempt(newest_keyframe_)) return true;
+  for (std::int32_t step = 0; step < map_.keyframe_slots() && tried < kSearchedPerFrame; ++step) {
+    search_cursor_ = (search_cursor_ + 1) % map_.keyframe_slots();
+    if (!map_.keyframe(search_cursor_).alive || search_cursor_ == newest_keyframe_) continue;
+    ++tried;
+    if (attempt(search_cursor_)) return true;
+  }
+  result_.T_world_camera = held;
+  result_.covariance = held_covariance;
+  return false;
+}
+
+void Tracker::hold_pose() {
+  frame_.T_camera_world = result_.T_world_camera.inverse();
+  std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+  have_velocity_ = false;
+  result_.num_landmarks = 0;
+  // Unseen motion: a robot's speed, until it is found again.
+  const double dt_s = std::clamp(to_seconds(frame_.stamp - last_.stamp), 0.0, 1.0);
+  const double move_m = 1.0 * dt_s, turn_rad = 1.0 * dt_s;
+  result_.covariance.topLeftCorner<3, 3>().diagonal().array() += move_m * move_m;
+  result_.covariance.bottomRightCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
+}
+
+void Tracker::update_state(bool tracked) {
+  const TrackOptions& limits = options_.track;
+  if (!tracked) {
+    good_frames_ = 0;
+    ++bad_frames_;
+    hold_pose();
+    if (result_.state != TrackState::lost) {
+      result_.state = bad_frames_ >= limits.frames_to_lost ? TrackState::lost : TrackState::degraded;
+    }
+  } else {
+    bad_frames_ = 0;
+    const bool strong = result_.num_landmarks >= limits.min_inliers_ok;
+    good_frames_ = strong ? good_frames_ + 1 : 0;
+    if (!strong) {
+      result_.state = TrackState::degraded;
+    } else if (result_.state != TrackState::ok) {
+      result_.state = good_frames_ >= limits.frames_to_recover ? TrackState::ok : TrackState::degraded;
+    }
+    const Rigid3 step = frame_.T_camera_world * last_.T_camera_world.inverse();
+    velocity_ = step;
+    velocity_span_ = frame_.stamp - last_.stamp;
+    have_velocity_ = frame_.index > 0;
+    result_.T_odom_camera = result_.T_odom_camera * step.inverse();
+  }
+}
+
+void Tracker::upkeep() {
+  const bool weak = result_.num_landmarks < 2 * options_.track.min_inliers_ok;
+  if (newest_keyframe_ != kNone && !map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
+  if (!result_.keyframe && keyframer_.wanted(frame_, map_, newest_keyframe_, result_.num_landmarks, weak)) {
+    newest_keyframe_ = keyframer_.insert(map_, frame_, result_.covariance, reference_id_);
+    reference_id_ = map_.keyframe(newest_keyframe_).id;
+    result_.keyframe = true;
+    keyframer_.cull(map_, newest_keyframe_);
+    for (int i = 0; i < frame_.size(); ++i) {  // culling may have removed what this frame saw
+      std::int32_t& seen = frame_.landmark[static_cast<std::size_t>(i)];
+      seen = map_.keyframe(newest_keyframe_).landmark[static_cast<std::size_t>(i)];
+    }
+    if (problem_state_ == ProblemState::idle &&
+        smooth_exchange_.cut(map_, newest_keyframe_, frame_.index, problem_)) {
+      problem_state_ = ProblemState::offered;
+    }
+  }
+  result_.reference_keyframe = reference_id_;
+  if (const auto T = map_.keyframe_pose(reference_id_)) result_.T_reference_camera = T->inverse() * result_.T_world_camera;
+}
+
+SmoothProblem* Tracker::take_problem() {
+  if (problem_state_ != ProblemState::offered) return nullptr;
+  problem_state_ = ProblemState::out;
+  return &problem_;
+}
+
+void Tracker::give_back(SmoothProblem* problem) {
+  EXPECTS(problem == &problem_ && problem_state_ == ProblemState::out);
+  problem_state_ = ProblemState::answered;
+}
+
+void Tracker::apply_answer() {
+  if (problem_state_ != ProblemState::answered) return;
+  problem_state_ = ProblemState::idle;
+  const Rigid3 T_new_old = smooth_exchange_.apply(map_, problem_, reference_id_);
+  result_.T_world_camera = T_new_old * result_.T_world_camera;
+  frame_.T_camera_world = frame_.T_camera_world * T_new_old.inverse();
+  for (int i = 0; i < frame_.size(); ++i) {
+    std::int32_t& seen = frame_.landmark[static_cast<std::size_t>(i)];
+    if (seen != kNone && !map_.landmark(seen).alive) seen = kNone;
+  }
+}
+
+}  // namespace povslam
