@@ -1,5 +1,6 @@
 #include "daemon/config.hpp"
 
+#include <cctype>
 #include <numbers>
 
 namespace povslam {
@@ -22,11 +23,31 @@ Rigid3 SensorConfig::T_body_sensor() const {
   return T_body_housing * level_forward_camera();
 }
 
-std::string SensorConfig::locate(const std::string& message) const {
-  for (const auto& [option, place] : option_where) {
-    if (message.find(option) != std::string::npos) return place + ": " + message;
+namespace {
+
+// Where `word` stands alone in `text`, npos if nowhere.
+std::size_t find_word(const std::string& text, const std::string& word) {
+  const auto part_of_word = [&text](std::size_t i) {
+    return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) != 0 || text[i] == '_');
+  };
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    if ((at == 0 || !part_of_word(at - 1)) && !part_of_word(at + word.size())) return at;
   }
-  return where + ": sensor \"" + name + "\": " + message;
+  return std::string::npos;
+}
+
+}  // namespace
+
+std::string SensorConfig::locate(const std::string& message) const {
+  std::size_t first = std::string::npos;  // the option named first is the one complained about
+  std::string place = where;
+  for (const auto& [option, option_place] : option_where) {
+    const std::size_t at = find_word(message, option);
+    if (at >= first) continue;
+    first = at;
+    place = option_place;
+  }
+  return place + ": sensor." + name + ": " + message;
 }
 
 }  // namespace povslam

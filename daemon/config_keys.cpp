@@ -100,6 +100,8 @@ std::vector<Key<AppConfig>> backend_table() {
           "Whitened residual norm beyond which the loss is linear"),
       key("smooth.outlier_chi2", AT(pipeline.backend.smooth.outlier_chi2), 0.1, 1000.0,
           "Whitened squared norm beyond which an observation is left out"),
+      key("smooth.outlier_chi2_no_depth", AT(pipeline.backend.smooth.outlier_chi2_no_depth), 0.1, 1000.0,
+          "The same for an observation without depth"),
       key("smooth.num_threads", AT(pipeline.backend.smooth.num_threads), 1, 64, "Threads of the solver"),
   };
 }
@@ -128,6 +130,10 @@ std::vector<Key<SensorConfig>> sensor_table() {
 }
 
 #undef AT
+
+// An option added to these structs changes their size: give it a key above, then the new size here.
+static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 40 && sizeof(TrackOptions) == 24 &&
+              sizeof(MapOptions) == 32 && sizeof(SmoothOptions) == 40 && sizeof(PipelineOptions) == 176);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -1,6 +1,7 @@
 #include "daemon/log_setup.hpp"
 
 #include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include <cstdlib>
