@@ -8,18 +8,18 @@ povslam_die() {
   exit 1
 }
 
-# Names of packages.txt's packages that dpkg does not know as installed.
+# povslam_missing_packages [EXTRA…]: names of packages.txt's and extra packages that dpkg does not know as installed.
 povslam_missing_packages() {
-  sed -e 's/#.*//' "$POVSLAM_ROOT/packages.txt" | tr -s ' \t' '\n\n' | while read -r package; do
+  { sed -e 's/#.*//' "$POVSLAM_ROOT/packages.txt"; echo "$@"; } | tr -s ' \t' '\n\n' | while read -r package; do
     [ -n "$package" ] || continue
     dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || echo "$package"
   done
 }
 
-# Installs what is missing, and only then asks for root.
+# povslam_install_packages [EXTRA…]: installs what is missing, and only then asks for root.
 povslam_install_packages() {
   command -v dpkg-query >/dev/null || povslam_die "this script installs Debian packages; here is no dpkg. See packages.txt"
-  missing=$(povslam_missing_packages)
+  missing=$(povslam_missing_packages "$@")
   [ -n "$missing" ] || return 0
   as_root=
   if [ "$(id -u)" -ne 0 ]; then
