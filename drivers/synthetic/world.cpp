@@ -1,0 +1,74 @@
+#include "drivers/synthetic/world.hpp"
+
+#include <utility>
+
+#include "drivers/synthetic/faces.hpp"
+#include "drivers/synthetic/random.hpp"
+
+namespace povslam::synthetic {
+
+namespace {
+
+// Goods carry one print on all four sides, and nobody looks below things on the floor: saves memory and time.
+int print_of(const Object& object, const Part& part, int face) {
+  constexpr int kUpperSide = 4, kLowerSide = 5;
+  if (part.paint == Paint::steel || part.paint == Paint::cloth) return 0;
+  if (part.paint == Paint::goods) return face < kUpperSide ? 0 : kUpperSide;
+  return face == kLowerSide && object.class_id == ClassId::box ? kUpperSide : face;
+}
+
+// Stamps survive being written with six decimals.
+TimeNs whole_microseconds(double time_s) {
+  return static_cast<TimeNs>(time_s * 1e6 + 0.5) * kNsPerUs;
+}
+
+}  // namespace
+
+World::World(SyntheticOptions options, RobotMotion motion, Scene scene)
+    : options_(std::move(options)), motion_(std::move(motion)), scene_(std::move(scene)) {
+  paint();
+}
+
+Result<World> World::create(const SyntheticOptions& options) {
+  RobotMotion motion(scene_path(options.scene, options.seed), options.speed_mps, options.seed);
+  Result<Scene> scene = build_scene(options, motion);
+  if (!scene) return scene.error();
+  return World(options, std::move(motion), std::move(*scene));
+}
+
+void World::paint() {
+  for (const Object& object : scene_.objects) {
+    first_surface_.push_back(static_cast<int>(texture_of_.size()));
+    for (std::size_t p = 0; p < object.parts.size(); ++p) {
+      const Part& part = object.parts[p];
+      const std::array<FaceShape, kFacesPerPart> faces = faces_of(part);
+      const std::size_t first = texture_of_.size();
+      for (int i = 0; i < kFacesPerPart; ++i) {
+        const FaceShape& face = faces[static_cast<std::size_t>(i)];
+        const int print = print_of(object, part, i);
+        if (print < i) {
+          texture_of_.push_back(texture_of_[first + static_cast<std::size_t>(print)]);
+          continue;
+        }
+        const std::uint64_t seed = mix(mix(options_.seed, object.id), p * kFacesPerPart + static_cast<std::size_t>(i));
+        texture_of_.push_back(textures_.size());
+        textures_.push_back(paint_face(part.paint, face.across.norm(), face.down.norm(), seed));
+      }
+    }
+  }
+}
+
+TimeNs World::frame_time(std::uint64_t frame) const {
+  return whole_microseconds(static_cast<double>(frame) / options_.fps);
+}
+
+TimeNs World::start_stamp() const {
+  return whole_microseconds(options_.start_time_s);
+}
+
+std::uint64_t World::num_frames() const {
+  const auto whole = static_cast<std::uint64_t>(motion_.lap_end_s(options_.laps) * options_.fps) + 1;
+  return options_.frames > 0 ? std::min(options_.frames, whole) : whole;
+}
+
+}  // namespace povslam::synthetic
