@@ -31,7 +31,7 @@ struct SensorConfig {
   DriverOptions options;   // every other key of the table
 
   std::string where;                                // "file:line" of the table
-  std::map<std::string, std::string> option_where;  // and of each option
+  std::map<std::string, std::string> option_where;  // and of `driver` and each option
 
   Rigid3 T_body_sensor() const;
   // A driver's complaint about its options, with the place it stands at.

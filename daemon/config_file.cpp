@@ -213,6 +213,7 @@ class Reader {
   Status set_in(SensorConfig& sensor, const std::string& name, const toml::node& value, const std::string& place) {
     if (const Key<SensorConfig>* key = find_key(sensor_keys(), name)) {
       sensor.has_mount = sensor.has_mount || (name != "name" && name != "driver");
+      if (name == "driver") sensor.option_where[name] = place;
       const Status status = assign(*key, sensor, value, place);
       if (status && sensor.q_xyzw && sensor.rpy_deg)
         return Error{place + ": " + name + ": give q_xyzw or rpy_deg, not both"};

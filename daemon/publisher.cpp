@@ -6,6 +6,7 @@
 #include <povslam/health_t.hpp>
 #include <povslam/pose_t.hpp>
 
+#include "daemon/messages/channels.hpp"
 #include "pipeline/base/log.hpp"
 
 namespace povslam {
@@ -86,6 +87,7 @@ void Publisher::on_frame(const TrackedFrame& frame) {
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{message.cov} = pose.covariance;
   message.landmarks = pose.num_landmarks;
   message.latency_s = to_seconds(frame.handed_over - frame.received);
+  message.sent_utime = (wall_now() - (monotonic_now() - frame.handed_over)) / kNsPerUs;
   impl_->send(kPoseChannel, message);
   // bot_core.pose_t cannot say "lost": silence says it.
   if (has_pose(pose.state)) impl_->send_bot_core(pose);

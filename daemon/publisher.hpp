@@ -26,8 +26,4 @@ class Publisher : public Sink {
   std::unique_ptr<Impl> impl_;
 };
 
-inline constexpr const char* kPoseChannel = "POVSLAM_POSE";
-inline constexpr const char* kBotCorePoseChannel = "POSE";
-inline constexpr const char* kHealthChannel = "POVSLAM_HEALTH";
-
 }  // namespace povslam
