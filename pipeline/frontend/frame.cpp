@@ -35,10 +35,15 @@ FeatureGrid make_grid(const PinholeCamera& camera, int capacity) {
 Frame::Frame(const PinholeCamera& camera, const FrontendOptions& options)
     : features(options.orb.num_features), grid(make_grid(camera, options.orb.num_features)) {
   const std::size_t capacity = static_cast<std::size_t>(options.orb.num_features);
+  x_seen.resize(capacity);
+  y_seen.resize(capacity);
   x.resize(capacity);
   y.resize(capacity);
   inverse_depth.resize(capacity);
   sigma_inverse_depth.resize(capacity);
+  slope_x.resize(capacity);
+  slope_y.resize(capacity);
+  sigma_px.resize(capacity);
   landmark.resize(capacity, kNone);
 }
 
@@ -48,12 +53,29 @@ Eigen::Vector3d Frame::point_camera(int i, const PinholeCamera& camera) const {
   return {(x[k] - camera.cx) / camera.fx * z, (y[k] - camera.cy) / camera.fy * z, z};
 }
 
+// A point seen at p while the camera moves with (v, w) is, dt earlier or later, at p + dt (v + w x p).
+void Frame::compensate_motion(const PinholeCamera& camera, const Vector6d& twist, double readout_s) {
+  constexpr double kTypicalInverseDepth = 0.5;
+  const Eigen::Vector3d v = twist.head<3>(), w = twist.tail<3>();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size()); ++i) {
+    const double dt_s = (static_cast<double>(features.y[i]) / (camera.height - 1) - 0.5) * readout_s;
+    const Eigen::Vector3d ray((x_seen[i] - camera.cx) / camera.fx, (y_seen[i] - camera.cy) / camera.fy, 1.0);
+    const double inverse = inverse_depth[i] > 0.0F ? inverse_depth[i] : kTypicalInverseDepth;
+    const Eigen::Vector3d moved = ray + dt_s * (v * inverse + w.cross(ray));
+    x[i] = static_cast<float>(camera.fx * moved.x() / moved.z() + camera.cx);
+    y[i] = static_cast<float>(camera.fy * moved.y() / moved.z() + camera.cy);
+  }
+  const std::size_t n = static_cast<std::size_t>(size());
+  grid.build({x.data(), n}, {y.data(), n});
+}
+
 FrameBuilder::FrameBuilder(const PinholeCamera& camera, const FrontendOptions& options)
     : camera_(camera),
       noise_(options.noise),
       extractor_(camera.width, camera.height, options.orb),
       grey_(camera.width, camera.height) {
   EXPECTS(camera.valid());
+  distorted_ = camera.distorted();
   for (int level = 0; level < extractor_.num_levels(); ++level) scales_.push_back(extractor_.scale(level));
 }
 
@@ -75,62 +97,95 @@ void FrameBuilder::build(const RgbdFrame& input, Frame& frame) {
 }
 
 void FrameBuilder::rectify(Frame& frame) const {
-  const bool distorted = camera_.distorted();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.size()); ++i) {
-    Eigen::Vector2d p(frame.features.x[i], frame.features.y[i]);
-    if (distorted) p = camera_.rectify(p);
-    frame.x[i] = static_cast<float>(p.x());
-    frame.y[i] = static_cast<float>(p.y());
+  for (int i = 0; i < frame.size(); ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    const float sigma = static_cast<float>(noise_.pixel_sigma_px) * level_scale(frame.features.level[k]);
+    place(frame, i, frame.features.x[k], frame.features.y[k], sigma);
   }
 }
 
-// Depth of a feature: the mean inverse depth of the readings around it that lie on the nearest surface. Inverse depth is
-// linear across a plane's image, so the mean over a symmetric window has no bias; readings of the background behind an
-// edge are left out, since a corner on an edge belongs to what is in front.
+void FrameBuilder::place(Frame& frame, int feature, float x_raw, float y_raw, float sigma_px) const {
+  const std::size_t k = static_cast<std::size_t>(feature);
+  Eigen::Vector2d p(x_raw, y_raw);
+  if (distorted_) p = camera_.rectify(p);
+  frame.features.x[k] = x_raw;
+  frame.features.y[k] = y_raw;
+  frame.x[k] = frame.x_seen[k] = static_cast<float>(p.x());
+  frame.y[k] = frame.y_seen[k] = static_cast<float>(p.y());
+  frame.sigma_px[k] = sigma_px;
+}
+
+// Depth of a feature: the mean inverse depth of the readings around it that lie on the nearest surface, and how it slopes.
+// Inverse depth is linear across a plane's image, so the mean over a symmetric window has no bias; readings of the
+// background behind an edge are left out, since a corner on an edge belongs to what is in front.
 void FrameBuilder::measure_depth(const RgbdFrame& input, Frame& frame) const {
-  constexpr int kRadius = 2;
-  const float scale = input.depth_scale;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.size()); ++i) {
+    const Surface surface = measure_surface(input, frame.features.x[i], frame.features.y[i]);
+    frame.inverse_depth[i] = surface.inverse_depth;
+    frame.sigma_inverse_depth[i] = surface.sigma;
+    frame.slope_x[i] = surface.slope_x;
+    frame.slope_y[i] = surface.slope_y;
+  }
+}
+
+FrameBuilder::Surface FrameBuilder::measure_surface(const RgbdFrame& input, float x, float y) const {
+  constexpr int kInner = 1, kMean = 2, kSlope = 6;  // px: half widths
   const float nearest = static_cast<float>(noise_.min_depth_m), farthest = static_cast<float>(noise_.max_depth_m);
   const float sigma_one = static_cast<float>(noise_.depth_sigma_quadratic_per_m);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.size()); ++i) {
-    frame.inverse_depth[i] = 0.0F;
-    frame.sigma_inverse_depth[i] = 1.0F;
-    const int u = static_cast<int>(std::lround(frame.features.x[i]));
-    const int v = static_cast<int>(std::lround(frame.features.y[i]));
-    if (u < kRadius || v < kRadius || u >= camera_.width - kRadius || v >= camera_.height - kRadius) continue;
-    float front = 0.0F;  // largest inverse depth in the inner 3x3
-    for (int dv = -1; dv <= 1; ++dv) {
-      for (int du = -1; du <= 1; ++du) {
-        const float z = static_cast<float>(input.depth.at(u + du, v + dv)) / scale;
-        if (z >= nearest && z <= farthest) front = std::max(front, 1.0F / z);
-      }
-    }
-    if (front == 0.0F) continue;
-    const float tolerance = std::max(6.0F * sigma_one, 0.04F * front);
-    float sum = 0.0F;
-    int count = 0, behind = 0;
-    for (int dv = -kRadius; dv <= kRadius; ++dv) {
-      for (int du = -kRadius; du <= kRadius; ++du) {
-        const float z = static_cast<float>(input.depth.at(u + du, v + dv)) / scale;
-        if (z < nearest || z > farthest) continue;
-        if (front - 1.0F / z > tolerance) {
-          ++behind;
-          continue;
-        }
-        sum += 1.0F / z;
+  const int u = static_cast<int>(std::lround(x)), v = static_cast<int>(std::lround(y));
+  Surface surface;
+  if (u < kSlope || v < kSlope || u >= camera_.width - kSlope || v >= camera_.height - kSlope) return surface;
+  const auto inverse_at = [&](int du, int dv) {  // 0: no reading
+    const float z = static_cast<float>(input.depth.at(u + du, v + dv)) / input.depth_scale;
+    return z >= nearest && z <= farthest ? 1.0F / z : 0.0F;
+  };
+  float front = 0.0F;
+  for (int dv = -kInner; dv <= kInner; ++dv) {
+    for (int du = -kInner; du <= kInner; ++du) front = std::max(front, inverse_at(du, dv));
+  }
+  if (front == 0.0F) return surface;
+  const float tolerance = std::max(6.0F * sigma_one, 0.04F * front);
+  float sum = 0.0F;
+  int count = 0, behind = 0;
+  for (int dv = -kMean; dv <= kMean; ++dv) {
+    for (int du = -kMean; du <= kMean; ++du) {
+      const float inverse = inverse_at(du, dv);
+      if (inverse == 0.0F) continue;
+      if (front - inverse > tolerance) {
+        ++behind;
+      } else {
+        sum += inverse;
         ++count;
       }
     }
-    if (count < 4) continue;
-    const float inverse = sum / static_cast<float>(count);
-    const float floor = static_cast<float>(noise_.depth_sigma_floor_m) * inverse * inverse;
-    // Neighbouring readings share much of their error: averaging is trusted for a factor of two at most. On an edge
-    // the surface itself is uncertain.
-    const float gain = std::min(2.0F, std::sqrt(static_cast<float>(count)));
-    const float edge = behind > 3 ? 3.0F : 1.0F;
-    frame.inverse_depth[i] = inverse;
-    frame.sigma_inverse_depth[i] = edge * std::sqrt(sigma_one * sigma_one / (gain * gain) + floor * floor);
   }
+  if (count < 4) return surface;
+  const float mean = sum / static_cast<float>(count);
+  float along_x = 0.0F, along_y = 0.0F, weight = 0.0F;
+  for (int k = 2; k <= kSlope; k += 2) {  // opposite readings in pairs: their difference is the slope
+    for (int side = -2; side <= 2; side += 2) {
+      const float right = inverse_at(k, side), left = inverse_at(-k, side);
+      const float low = inverse_at(side, k), high = inverse_at(side, -k);
+      const float limit = tolerance * static_cast<float>(k);
+      const bool whole = right > 0.0F && left > 0.0F && low > 0.0F && high > 0.0F;
+      if (!whole || std::abs(right - left) > limit || std::abs(low - high) > limit) continue;
+      along_x += static_cast<float>(k) * (right - left);
+      along_y += static_cast<float>(k) * (low - high);
+      weight += static_cast<float>(2 * k * k);
+    }
+  }
+  // Few pairs say little: the slope leans towards zero (facing the camera).
+  constexpr float kLean = 60.0F;
+  surface.slope_x = along_x / (weight + kLean);
+  surface.slope_y = along_y / (weight + kLean);
+  surface.inverse_depth = mean;
+  // Neighbouring readings share much of their error: averaging is trusted for a factor of two at most. On an edge
+  // the surface itself is uncertain.
+  const float floor = static_cast<float>(noise_.depth_sigma_floor_m) * mean * mean;
+  const float gain = std::min(2.0F, std::sqrt(static_cast<float>(count)));
+  const float edge = behind > 3 ? 3.0F : 1.0F;
+  surface.sigma = edge * std::sqrt(sigma_one * sigma_one / (gain * gain) + floor * floor);
+  return surface;
 }
 
 }  // namespace povslam

@@ -29,7 +29,7 @@ struct Keyframe {
   std::int64_t mark = -1;       // scratch, see Landmark
   std::int32_t votes = 0;       // scratch: shared landmarks counted
 
-  std::span<float> x, y;  // px, rectified
+  std::span<float> x, y, sigma_px;  // px, rectified
   std::span<float> inverse_depth, sigma_inverse_depth;  // 1/m; 0 = none
   std::span<std::uint8_t> level;
   std::span<Descriptor> descriptor;

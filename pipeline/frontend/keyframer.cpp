@@ -30,7 +30,8 @@ bool Keyframer::wanted(const Frame& frame, const Map& map, std::int32_t newest, 
   return age >= options_.keyframe_max_frames || num_inliers < kOverlap * most_inliers_;
 }
 
-std::int32_t Keyframer::insert(Map& map, Frame& frame, const Matrix6d& covariance, std::int64_t parent_id) {
+std::int32_t Keyframer::insert(Map& map, const FrameBuilder& images, Frame& frame, const Matrix6d& covariance,
+                               std::int64_t parent_id) {
   most_inliers_ = 0;
   const std::int32_t slot = map.insert_keyframe(frame, frame.T_camera_world.inverse(), covariance, parent_id);
   for (int i = 0; i < frame.size(); ++i) {
@@ -38,12 +39,12 @@ std::int32_t Keyframer::insert(Map& map, Frame& frame, const Matrix6d& covarianc
     if (seen == kNone) continue;
     if (map.add_sighting(seen, slot, i)) map.refresh_landmark(seen);
   }
-  create_landmarks(map, frame, slot);
+  create_landmarks(map, images, frame, slot);
   map.update_covisibility(slot);
   return slot;
 }
 
-void Keyframer::create_landmarks(Map& map, Frame& frame, std::int32_t slot) {
+void Keyframer::create_landmarks(Map& map, const FrameBuilder& images, Frame& frame, std::int32_t slot) {
   const Rigid3 T_world_camera = map.keyframe(slot).T_world_camera;
   for (int i = 0; i < frame.size(); ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
@@ -51,8 +52,31 @@ void Keyframer::create_landmarks(Map& map, Frame& frame, std::int32_t slot) {
     const std::int32_t made = map.create_landmark(slot, i, T_world_camera * frame.point_camera(i, camera_));
     if (made == kNone) return;
     frame.landmark[k] = made;
+    keep_look(map, images, frame, i, made);
     if (recent_.size() < recent_.capacity()) recent_.push_back({made, map.landmark(made).generation});
   }
+}
+
+// The patch of the image around the feature, and the piece of surface that one pixel of it covers.
+void Keyframer::keep_look(Map& map, const FrameBuilder& images, const Frame& frame, int feature,
+                          std::int32_t slot) const {
+  const std::size_t k = static_cast<std::size_t>(feature);
+  const PyramidLevel& level = images.level(frame.features.level[k]);
+  const float x = (frame.features.x[k] + 0.5F) / level.scale - 0.5F, y = (frame.features.y[k] + 0.5F) / level.scale - 0.5F;
+  Landmark& point = map.landmark(slot);
+  point.has_patch = cut_patch(level, x, y, map.patch(slot));
+  if (!point.has_patch) return;
+  const double inverse = frame.inverse_depth[k];
+  const Eigen::Vector3d ray((frame.x[k] - camera_.cx) / camera_.fx, (frame.y[k] - camera_.cy) / camera_.fy, 1.0);
+  const Eigen::Vector3d dx(level.scale / camera_.fx, 0.0, 0.0), dy(0.0, level.scale / camera_.fy, 0.0);
+  const Eigen::Quaterniond R_world_camera = frame.T_camera_world.rotation.conjugate();
+  // d(ray / w) along a pixel step: (d ray - ray * dw / w) / w.
+  const auto tangent = [&](const Eigen::Vector3d& d_ray, float slope) {
+    const double dw = static_cast<double>(slope) * level.scale;
+    return Eigen::Vector3f((R_world_camera * ((d_ray - ray * dw / inverse) / inverse)).cast<float>());
+  };
+  point.tangent_x = tangent(dx, frame.slope_x[k]);
+  point.tangent_y = tangent(dy, frame.slope_y[k]);
 }
 
 void Keyframer::cull(Map& map, std::int32_t newest) {

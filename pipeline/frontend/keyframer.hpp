@@ -17,13 +17,15 @@ class Keyframer {
   bool wanted(const Frame& frame, const Map& map, std::int32_t newest, int num_inliers, bool weak);
 
   // Keeps the frame: landmarks it saw get a sighting, features with depth that saw none become landmarks.
-  std::int32_t insert(Map& map, Frame& frame, const Matrix6d& covariance, std::int64_t parent_id);
+  std::int32_t insert(Map& map, const FrameBuilder& images, Frame& frame, const Matrix6d& covariance,
+                      std::int64_t parent_id);
 
   // Forgets landmarks that did not prove themselves and keyframes whose landmarks others see as well.
   void cull(Map& map, std::int32_t newest);
 
  private:
-  void create_landmarks(Map& map, Frame& frame, std::int32_t slot);
+  void create_landmarks(Map& map, const FrameBuilder& images, Frame& frame, std::int32_t slot);
+  void keep_look(Map& map, const FrameBuilder& images, const Frame& frame, int feature, std::int32_t landmark) const;
   bool redundant(const Map& map, std::int32_t slot) const;
 
   PinholeCamera camera_;

@@ -23,6 +23,9 @@ struct Landmark {
   float reference_distance_m = 1.0F;  // of the sighting that gave the descriptor…
   std::uint8_t reference_level = 0;   // …and its pyramid level: predicts the level at another distance
   bool alive = false;
+  bool has_patch = false;  // its look at first sight is kept (Map::patch)…
+  Eigen::Vector3f tangent_x = Eigen::Vector3f::Zero();  // …on a surface where one px of the patch spans these [m, world]
+  Eigen::Vector3f tangent_y = Eigen::Vector3f::Zero();
   std::uint32_t generation = 0;  // of the slot
   std::int64_t born_keyframe = -1;
   std::int32_t anchor = -1;  // keyframe slot it moves with when that is corrected

@@ -23,9 +23,10 @@ Map::Map(int max_features, const MapOptions& options, std::vector<float> level_s
   free_landmarks_.reserve(static_cast<std::size_t>(options.max_landmarks));
   ghosts_.reserve(kRememberedIds);
   slot_of_id_.reserve(kRememberedIds);
-  floats_ = std::make_unique_for_overwrite<float[]>(4 * entries);
+  floats_ = std::make_unique_for_overwrite<float[]>(5 * entries);
   levels_ = std::make_unique_for_overwrite<std::uint8_t[]>(entries);
   descriptors_ = std::make_unique_for_overwrite<Descriptor[]>(entries);
+  patches_ = std::make_unique_for_overwrite<Patch[]>(static_cast<std::size_t>(options.max_landmarks));
   landmark_of_ = std::make_unique_for_overwrite<std::int32_t[]>(entries);
 }
 
@@ -64,11 +65,12 @@ std::int32_t Map::insert_keyframe(const Frame& frame, const Rigid3& T_world_came
   kf.covariance = covariance;
   kf.parent_id = parent_id;
   kf.mark = mark_;
-  float* floats = floats_.get() + 4 * first;
+  float* floats = floats_.get() + 5 * first;
   kf.x = {floats, n};
   kf.y = {floats + max_features_, n};
   kf.inverse_depth = {floats + 2 * max_features_, n};
   kf.sigma_inverse_depth = {floats + 3 * max_features_, n};
+  kf.sigma_px = {floats + 4 * max_features_, n};
   kf.level = {levels_.get() + first, n};
   kf.descriptor = {descriptors_.get() + first, n};
   kf.landmark = {landmark_of_.get() + first, n};
@@ -76,6 +78,7 @@ std::int32_t Map::insert_keyframe(const Frame& frame, const Rigid3& T_world_came
   std::copy_n(frame.y.begin(), n, kf.y.begin());
   std::copy_n(frame.inverse_depth.begin(), n, kf.inverse_depth.begin());
   std::copy_n(frame.sigma_inverse_depth.begin(), n, kf.sigma_inverse_depth.begin());
+  std::copy_n(frame.sigma_px.begin(), n, kf.sigma_px.begin());
   std::copy_n(frame.features.level.begin(), n, kf.level.begin());
   std::copy_n(frame.features.descriptor.begin(), n, kf.descriptor.begin());
   std::fill(kf.landmark.begin(), kf.landmark.end(), kNone);

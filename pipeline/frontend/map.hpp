@@ -10,6 +10,7 @@
 #include "pipeline/frontend/frame.hpp"
 #include "pipeline/frontend/keyframe.hpp"
 #include "pipeline/frontend/landmark.hpp"
+#include "pipeline/frontend/patch.hpp"
 
 namespace povslam {
 
@@ -34,6 +35,7 @@ class Map {
   void remove_landmark(std::int32_t slot);
   Landmark& landmark(std::int32_t slot) { return landmarks_[static_cast<std::size_t>(slot)]; }
   const Landmark& landmark(std::int32_t slot) const { return landmarks_[static_cast<std::size_t>(slot)]; }
+  Patch& patch(std::int32_t slot) { return patches_[static_cast<std::size_t>(slot)]; }
   int num_landmarks() const { return num_landmarks_; }
   std::int32_t landmark_slots() const { return static_cast<std::int32_t>(landmarks_.size()); }
 
@@ -75,10 +77,11 @@ class Map {
   std::int64_t mark_ = 0;
 
   // Feature slabs, max_features_ entries per keyframe slot.
-  std::unique_ptr<float[]> floats_;  // x, y, inverse depth, sigma
+  std::unique_ptr<float[]> floats_;  // x, y, inverse depth and its sigma, sigma of x and y
   std::unique_ptr<std::uint8_t[]> levels_;
   std::unique_ptr<Descriptor[]> descriptors_;
   std::unique_ptr<std::int32_t[]> landmark_of_;
+  std::unique_ptr<Patch[]> patches_;  // by landmark slot
 };
 
 }  // namespace povslam

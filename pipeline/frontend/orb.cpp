@@ -35,6 +35,7 @@ OrbFeatures::OrbFeatures(int capacity_)
 struct OrbExtractor::Impl {
   Impl(int width, int height, const OrbOptions& options);
   void extract_level(int index, int wanted, OrbFeatures& features);
+  int refine(const PyramidLevel& level, int count);
   void smooth(const PyramidLevel& level);
   void add(const FastCorner& corner, int index, OrbFeatures& features) const;
 
@@ -47,6 +48,7 @@ struct OrbExtractor::Impl {
   std::vector<int> quotas;  // features per level
   std::vector<FastCorner> corners;
   std::vector<std::uint8_t> corner_scratch, smooth_scratch, smoothed;
+  std::vector<std::uint8_t> occupied;  // pixels that hold a refined corner; all 0 between calls
 };
 
 OrbExtractor::Impl::Impl(int width, int height, const OrbOptions& given)
@@ -71,6 +73,31 @@ OrbExtractor::Impl::Impl(int width, int height, const OrbOptions& given)
   corner_scratch.resize(3 * (static_cast<std::size_t>(width) + 2 * kKernelSlack));
   smooth_scratch.resize(static_cast<std::size_t>(width) + 2 * kKernelSlack);
   smoothed.resize(static_cast<std::size_t>(finest.stride) * (height + 1));
+  occupied.resize(smoothed.size());
+}
+
+// Moves the first `count` corners to their peaks; keeps, in order, those that have one inside the area and to
+// themselves, and returns how many.
+int OrbExtractor::Impl::refine(const PyramidLevel& level, int count) {
+  const PixelRect area = feature_area(level);
+  int kept = 0;
+  for (int k = 0; k < count; ++k) {
+    FastCorner corner = corners[k];
+    CornerPeak peak;
+    if (!kernels.refine_corner(level.pixels + corner.y * level.stride + corner.x, level.stride, &peak)) continue;
+    const int x = corner.x + peak.column, y = corner.y + peak.row;
+    if (x < area.x0 || x >= area.x1 || y < area.y0 || y >= area.y1) continue;
+    std::uint8_t& taken = occupied[static_cast<std::size_t>(y * level.stride + x)];
+    if (taken != 0) continue;
+    taken = 1;
+    corner.x = static_cast<std::uint16_t>(x);
+    corner.y = static_cast<std::uint16_t>(y);
+    corner.dx = peak.x;
+    corner.dy = peak.y;
+    corners[kept++] = corner;
+  }
+  for (int k = 0; k < kept; ++k) occupied[static_cast<std::size_t>(corners[k].y * level.stride + corners[k].x)] = 0;
+  return kept;
 }
 
 void OrbExtractor::Impl::smooth(const PyramidLevel& level) {
@@ -85,8 +112,8 @@ void OrbExtractor::Impl::add(const FastCorner& corner, int index, OrbFeatures& f
   const std::int64_t offset = corner.y * level.stride + corner.x;
   const PatchMoments moments = kernels.patch_moments(level.pixels + offset, level.stride, &patch);
   const int k = features.size++;
-  features.x[k] = (static_cast<float>(corner.x) + 0.5F) * level.scale - 0.5F;
-  features.y[k] = (static_cast<float>(corner.y) + 0.5F) * level.scale - 0.5F;
+  features.x[k] = (static_cast<float>(corner.x) + corner.dx + 0.5F) * level.scale - 0.5F;
+  features.y[k] = (static_cast<float>(corner.y) + corner.dy + 0.5F) * level.scale - 0.5F;
   features.angle[k] = steady_atan2(static_cast<float>(moments.y), static_cast<float>(moments.x));
   features.response[k] = corner.score;
   features.level[k] = static_cast<std::uint8_t>(index);
@@ -98,7 +125,11 @@ void OrbExtractor::Impl::extract_level(int index, int wanted, OrbFeatures& featu
   const PyramidLevel& level = pyramid.levels()[index];
   const int found = kernels.find_corners({level.pixels, level.stride}, feature_area(level), options.min_fast_threshold,
                                          corner_scratch.data(), corners.data());
-  const int chosen = spreads[index].choose(corners.data(), found, wanted, options.fast_threshold);
+  // Twice as many as wanted are refined: about a third turns out to be edges, noise or the same corner again.
+  CornerSpread& spread = spreads[index];
+  const int candidates = spread.choose(corners.data(), found, 2 * wanted, options.fast_threshold);
+  const int refined = refine(level, candidates);
+  const int chosen = spread.choose(corners.data(), refined, wanted, options.fast_threshold);
   if (chosen == 0) return;
   smooth(level);
   for (int k = 0; k < chosen; ++k) add(corners[k], index, features);

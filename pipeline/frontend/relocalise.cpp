@@ -26,8 +26,7 @@ struct Lcg {
 }  // namespace
 
 Relocaliser::Relocaliser(const PinholeCamera& camera, const FrontendOptions& options)
-    : camera_(camera), noise_(options.noise) {
-  level_scales_.reserve(kMaxPyramidLevels);
+    : camera_(camera) {
   const std::size_t n = static_cast<std::size_t>(options.orb.num_features);
   pairs_.reserve(n);
   pair_of_feature_.resize(n);
@@ -107,9 +106,6 @@ std::optional<Rigid3> Relocaliser::best_of_triples(const Frame& frame) const {
 }
 
 std::optional<Relocaliser::Found> Relocaliser::against(const Map& map, std::int32_t slot, const Frame& frame) {
-  if (level_scales_.empty()) {
-    for (int l = 0; l < map.num_levels(); ++l) level_scales_.push_back(map.level_scale(l));
-  }
   collect_pairs(map, slot, frame);
   if (pairs_.size() < static_cast<std::size_t>(kMinPairs)) return std::nullopt;
   const auto start = best_of_triples(frame);
@@ -120,8 +116,7 @@ std::optional<Relocaliser::Found> Relocaliser::against(const Map& map, std::int3
     PoseObservation o;
     o.p_world = pair.p_world;
     o.u_px = frame.x[f], o.v_px = frame.y[f];
-    const double sigma = noise_.pixel_sigma_px * level_scales_[frame.features.level[f]];
-    o.weight_px = 1.0 / (sigma * sigma);
+    o.weight_px = 1.0 / (static_cast<double>(frame.sigma_px[f]) * frame.sigma_px[f]);
     if (pair.has_depth) {
       o.inverse_depth_per_m = frame.inverse_depth[f];
       o.weight_inverse_depth = 0.5 / (frame.sigma_inverse_depth[f] * frame.sigma_inverse_depth[f]);

@@ -34,9 +34,6 @@ class Relocaliser {
   int count_inliers(const Frame& frame, const Rigid3& T_camera_world) const;
 
   PinholeCamera camera_;
-  NoiseOptions noise_;
-  std::vector<float> level_scales_;
-  std::vector<Descriptor> frame_descriptors_;
   std::vector<Pair> pairs_;
   std::vector<std::int32_t> pair_of_feature_;
   std::vector<std::int32_t> distance_of_feature_;

@@ -7,7 +7,6 @@ namespace povslam {
 SmoothExchange::SmoothExchange(const PinholeCamera& camera, const FrontendOptions& options)
     : camera_(camera),
       options_(options.map),
-      pixel_sigma_px_(options.noise.pixel_sigma_px),
       pose_of_keyframe_(static_cast<std::size_t>(options.map.max_keyframes), -1),
       point_of_landmark_(static_cast<std::size_t>(options.map.max_landmarks), -1),
       motion_of_keyframe_(static_cast<std::size_t>(options.map.max_keyframes)) {}
@@ -74,7 +73,7 @@ void SmoothExchange::add_observations(const Map& map, SmoothProblem& problem) {
       o.u_px = kf.x[f];
       o.v_px = kf.y[f];
       o.inverse_depth_per_m = kf.inverse_depth[f];
-      o.sigma_px = static_cast<float>(pixel_sigma_px_) * map.level_scale(kf.level[f]);
+      o.sigma_px = kf.sigma_px[f];
       o.sigma_inverse_depth_per_m = kf.sigma_inverse_depth[f];
     }
   }

@@ -37,7 +37,6 @@ class SmoothExchange {
 
   PinholeCamera camera_;
   MapOptions options_;
-  double pixel_sigma_px_;
   std::vector<std::int32_t> pose_of_keyframe_;   // by keyframe slot: index in the problem, or -1
   std::vector<std::int32_t> point_of_landmark_;  // by landmark slot
   std::vector<Motion> motion_of_keyframe_;       // by keyframe slot

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 namespace povslam {
 
@@ -52,7 +54,11 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     tracked = relocalise();
   } else {
     const Rigid3 predicted = predict();
-    tracked = track_motion(predicted) && track_local_map(false);
+    frame_.T_camera_world = predicted;
+    compensate_motion();
+    tracked = track_motion(predicted);
+    if (tracked) compensate_motion();
+    tracked = tracked && track_local_map(false);
     if (!tracked) tracked = relocalise();
   }
   const TimeNs posed = thread_cpu_now();
@@ -72,7 +78,7 @@ void Tracker::start_map() {
   result_.T_world_camera = T_world_camera_start_;
   if (with_depth < kMinToStart) return;
   frame_.T_camera_world = T_world_camera_start_.inverse();
-  newest_keyframe_ = keyframer_.insert(map_, frame_, Matrix6d::Zero(), -1);
+  newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, Matrix6d::Zero(), -1);
   reference_id_ = map_.keyframe(newest_keyframe_).id;
   result_.state = TrackState::ok;
   result_.keyframe = true;
@@ -155,7 +161,7 @@ void Tracker::observe_matches(bool with_points_of_last) {
       o.p_world = point.p_world;
       point_variance = 1.0 / point.num_sightings;
     }
-    const double sigma_px = options_.noise.pixel_sigma_px * map_.level_scale(frame_.features.level[k]);
+    const double sigma_px = frame_.sigma_px[k];
     o.u_px = frame_.x[k];
     o.v_px = frame_.y[k];
     o.weight_px = 1.0 / (sigma_px * sigma_px);
@@ -202,14 +208,68 @@ int Tracker::match_local_map(const Rigid3& T_camera_world, bool wide) {
   return visible;
 }
 
+// Fits the patch of each landmark that agreed with the pose, for a sharper position of its feature.
+bool Tracker::refine_matches(const PoseSolution& solution) {
+  static const bool kRefine = getenv("NOREF") == nullptr;
+  if (!kRefine || !solution.converged) return false;
+  const double log_scale = map_.num_levels() > 1 ? std::log(map_.level_scale(1)) : 1.0;
+  int refined = 0;
+  for (std::size_t o = 0; o < observations_.size(); ++o) {
+    if (!observations_[o].fits) continue;
+    const int feature = observed_feature_[o];
+    const std::size_t k = static_cast<std::size_t>(feature);
+    const std::int32_t slot = matcher_.tag_of(feature);
+    const Landmark& point = map_.landmark(slot);
+    if (!point.has_patch) continue;
+    const auto centre = camera_.project(solution.T_camera_world * point.p_world);
+    const auto along_x = camera_.project(solution.T_camera_world * (point.p_world + point.tangent_x.cast<double>()));
+    const auto along_y = camera_.project(solution.T_camera_world * (point.p_world + point.tangent_y.cast<double>()));
+    if (!centre || !along_x || !along_y) continue;
+    Eigen::Matrix2d image_per_patch;
+    image_per_patch << *along_x - *centre, *along_y - *centre;
+    const double size = std::sqrt(std::abs(image_per_patch.determinant()));
+    if (!(size > 0.4)) continue;
+    const int level_index = std::clamp(static_cast<int>(std::lround(std::log(size) / log_scale)), 0, map_.num_levels() - 1);
+    const PyramidLevel& level = builder_.level(level_index);
+    const Eigen::Matrix2d inverse = (image_per_patch / level.scale).inverse();
+    const float patch_per_image[4] = {static_cast<float>(inverse(0, 0)), static_cast<float>(inverse(0, 1)),
+                                      static_cast<float>(inverse(1, 0)), static_cast<float>(inverse(1, 1))};
+    const float x = (frame_.features.x[k] + 0.5F) / level.scale - 0.5F, y = (frame_.features.y[k] + 0.5F) / level.scale - 0.5F;
+    const PatchPlace place = find_patch(map_.patch(slot), patch_per_image, level, x, y, 2.5F);
+    if (!place.converged || place.correlation < 0.8F) continue;
+    builder_.place(frame_, feature, (place.x + 0.5F) * level.scale - 0.5F, (place.y + 0.5F) * level.scale - 0.5F,
+                   static_cast<float>(options_.noise.patch_sigma_px) * level.scale);
+    ++refined;
+  }
+  if (refined > 0) compensate_motion();
+  if (getenv("DBG")) printf("refined %d of %zu  ", refined, observations_.size());
+  return refined > 0;
+}
+
+// The camera's speed in the middle of this frame, from the mean speeds since the last frame and before.
+void Tracker::compensate_motion() {
+  static const double kReadout = getenv("RS") ? atof(getenv("RS")) : 0.0;
+  const double span_s = to_seconds(frame_.stamp - last_.stamp);
+  if (!have_velocity_ || kReadout == 0.0 || span_s <= 0.0) return;
+  const Vector6d mean = se3_log(last_.T_camera_world * frame_.T_camera_world.inverse()) / span_s;
+  const Vector6d twist = mean + 0.5 * (mean - twist_);
+  frame_.compensate_motion(camera_, twist, kReadout);
+}
+
 bool Tracker::track_local_map(bool wide) {
   local_map_.collect(map_, frame_, frame_.T_camera_world.inverse());
   match_local_map(frame_.T_camera_world, wide);
   observe_matches(false);
   PoseSolverOptions solver;
   solver.first_gate = wide ? 9.0 : 2.0;
-  const PoseSolution solution = solve_pose(camera_, frame_.T_camera_world, observations_, solver);
+  PoseSolution solution = solve_pose(camera_, frame_.T_camera_world, observations_, solver);
+  if (refine_matches(solution)) {
+    observe_matches(false);
+    solver.first_gate = 2.0;
+    solution = solve_pose(camera_, solution.T_camera_world, observations_, solver);
+  }
   const bool enough = solution.converged && solution.num_inliers >= options_.track.min_inliers_degraded;
+  if (getenv("DBG")) { std::vector<double> px,d; double n=0,bx=0,by=0; for (auto&o:observations_){ Eigen::Vector3d p=solution.T_camera_world*o.p_world; double du=camera_.fx*p.x()/p.z()+camera_.cx-o.u_px,dv=camera_.fy*p.y()/p.z()+camera_.cy-o.v_px; px.push_back(std::sqrt(du*du+dv*dv)); if(o.weight_inverse_depth>0){double e=(1/p.z()-o.inverse_depth_per_m);d.push_back(std::abs(e)*std::sqrt(o.weight_inverse_depth));} n++;bx+=du;by+=dv;} std::sort(px.begin(),px.end());std::sort(d.begin(),d.end()); printf("f %ld obs %zu inl %d dinl %d px med %.2f p80 %.2f | d/sig med %.2f p80 %.2f\n",frame_.index,px.size(),solution.num_inliers,solution.num_depth_inliers,px[px.size()/2],px[px.size()*8/10],d[d.size()/2],d[d.size()*8/10]); }
   if (!enough) return false;
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
   for (std::size_t o = 0; o < observations_.size(); ++o) {
@@ -296,6 +356,7 @@ void Tracker::update_state(bool tracked) {
     const Rigid3 step = frame_.T_camera_world * last_.T_camera_world.inverse();
     velocity_ = step;
     velocity_span_ = frame_.stamp - last_.stamp;
+    twist_ = velocity_span_ > 0 ? Vector6d(se3_log(step.inverse()) / to_seconds(velocity_span_)) : Vector6d::Zero();
     have_velocity_ = frame_.index > 0;
     result_.T_odom_camera = result_.T_odom_camera * step.inverse();
   }
@@ -305,7 +366,7 @@ void Tracker::upkeep() {
   const bool weak = result_.num_landmarks < 2 * options_.track.min_inliers_ok;
   if (newest_keyframe_ != kNone && !map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
   if (!result_.keyframe && keyframer_.wanted(frame_, map_, newest_keyframe_, result_.num_landmarks, weak)) {
-    newest_keyframe_ = keyframer_.insert(map_, frame_, result_.covariance, reference_id_);
+    newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, reference_id_);
     reference_id_ = map_.keyframe(newest_keyframe_).id;
     result_.keyframe = true;
     keyframer_.cull(map_, newest_keyframe_);

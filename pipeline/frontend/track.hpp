@@ -47,6 +47,7 @@ class Tracker {
   bool track_motion(const Rigid3& predicted);
   bool match_last(const Rigid3& predicted, float radius_px, int min_matches);
   bool track_local_map(bool wide);
+  bool refine_matches(const PoseSolution& solution);
   int match_local_map(const Rigid3& T_camera_world, bool wide);
   void observe_matches(bool with_points_of_last);
   bool relocalise();
@@ -54,6 +55,7 @@ class Tracker {
   void update_state(bool tracked);
   void upkeep();
   void hold_pose();
+  void compensate_motion();
 
   PinholeCamera camera_;
   FrontendOptions options_;
@@ -74,6 +76,7 @@ class Tracker {
   Rigid3 velocity_;  // T_camera_lastcamera of the last two frames
   bool have_velocity_ = false;
   TimeNs velocity_span_ = 0;
+  Vector6d twist_ = Vector6d::Zero();  // camera's motion in its own axes at the last frame [m/s, rad/s]
   std::int32_t newest_keyframe_ = kNone;
   std::int64_t reference_id_ = -1;
   std::int64_t frame_index_ = 0;

@@ -3,17 +3,18 @@
 #include <cstdlib>
 #include <cstring>
 
-#define POVSLAM_DECLARE_KERNELS(isa)                                                  \
-  namespace isa {                                                                     \
-  void shrink_row(const uint8_t*, const ShrinkTaps*, int, uint16_t*);                 \
-  void blend_rows(const uint16_t*, const uint16_t*, int, int, uint8_t*);              \
-  void smooth_row(const uint8_t*, int64_t, int, uint8_t*, uint8_t*);                  \
-  int find_corners(PixelView, PixelRect, int, uint8_t*, FastCorner*);                 \
-  PatchMoments patch_moments(const uint8_t*, int64_t, const PatchMask*);              \
-  void brief(const uint8_t*, const int32_t*, const int32_t*, uint64_t*);              \
-  void rgb_to_grey(const uint8_t*, uint8_t*, int64_t);                                \
-  const FrontendKernels kTable{#isa + 4,     shrink_row,    blend_rows, smooth_row,   \
-                               find_corners, patch_moments, brief,      rgb_to_grey}; \
+#define POVSLAM_DECLARE_KERNELS(isa)                                                               \
+  namespace isa {                                                                                  \
+  void shrink_row(const uint8_t*, const ShrinkTaps*, int, uint16_t*);                              \
+  void blend_rows(const uint16_t*, const uint16_t*, int, int, uint8_t*);                           \
+  void smooth_row(const uint8_t*, int64_t, int, uint8_t*, uint8_t*);                               \
+  int find_corners(PixelView, PixelRect, int, uint8_t*, FastCorner*);                              \
+  bool refine_corner(const uint8_t*, int64_t, CornerPeak*);                                        \
+  PatchMoments patch_moments(const uint8_t*, int64_t, const PatchMask*);                           \
+  void brief(const uint8_t*, const int32_t*, const int32_t*, uint64_t*);                           \
+  void rgb_to_grey(const uint8_t*, uint8_t*, int64_t);                                             \
+  const FrontendKernels kTable{#isa + 4,      shrink_row,    blend_rows, smooth_row, find_corners, \
+                               refine_corner, patch_moments, brief,      rgb_to_grey};             \
   }
 
 namespace povslam {

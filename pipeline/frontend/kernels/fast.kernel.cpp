@@ -80,6 +80,7 @@ POVSLAM_INLINE FastCorner* local_maxima(const uint8_t* above, const uint8_t* her
       out->x = static_cast<uint16_t>(x0 + at);
       out->y = static_cast<uint16_t>(y);
       out->score = static_cast<uint8_t>(here[at] - 1);
+      out->dx = out->dy = 0.0F;
       ++out;
     }
   }

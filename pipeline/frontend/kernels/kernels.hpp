@@ -14,6 +14,14 @@ enum { kKernelSlack = 64 };
 struct FastCorner {
   uint16_t x, y;  // px
   uint8_t score;  // the largest threshold at which the pixel is a FAST-9 corner
+  float dx, dy;   // px, sub-pixel position relative to x, y; 0 as found
+};
+
+// The peak of corner response near a FAST corner.
+struct CornerPeak {
+  int column, row;  // px off the FAST corner, within 2
+  float x, y;       // px off that pixel, within 1
+  float response;   // grey levels squared, times constants of the kernel
 };
 
 // Pixels of one image: `pixels` is (0, 0), rows lie `stride` bytes apart.
@@ -60,6 +68,9 @@ struct FrontendKernels {
   // the first in raster order), in raster order. `scratch` holds 3 * (rect width + 2 * kKernelSlack) bytes, `corners`
   // a quarter of the rect (rounded up per axis). The image has 3 valid pixels around the rect. Returns how many.
   int (*find_corners)(PixelView image, PixelRect rect, int threshold, uint8_t* scratch, FastCorner* corners);
+  // False if no peak is within reach: an edge or noise rather than a corner. Reads 8 pixels to the left of and above
+  // `corner`, 9 to the right of and 8 below it.
+  bool (*refine_corner)(const uint8_t* corner, int64_t stride, CornerPeak* peak);
   PatchMoments (*patch_moments)(const uint8_t* centre, int64_t stride, const PatchMask* mask);
   // Bit i = centre[first[i]] < centre[second[i]].
   void (*brief)(const uint8_t* centre, const int32_t* first, const int32_t* second, uint64_t* bits);
