@@ -112,7 +112,7 @@ std::string TextFile::at(const TextLine& line) const {
 std::optional<TimeNs> parse_seconds(std::string_view word) {
   const std::optional<Decimal> decimal = parse_decimal(word);
   if (!decimal) return std::nullopt;
-  constexpr TimeNs kMax = std::numeric_limits<TimeNs>::max();
+  constexpr TimeNs kMax = std::numeric_limits<TimeNs>::max() / 2;
   TimeNs time = 0;
   const int num_digits = decimal->before_point + kNsDigits;  // of the whole number of nanoseconds
   for (int i = 0; i < num_digits; ++i) {

@@ -46,7 +46,8 @@ class TextFile {
 };
 
 // Decimal seconds -> ns, exact: digits are counted, never rounded through a double (beyond the ninth: cut off).
-// Accepts a sign and an exponent ("1.305e+09"). Nothing for anything else or what does not fit.
+// Accepts a sign and an exponent ("1.305e+09"). Nothing for anything else, nor beyond 146 years either side of zero, so
+// that the difference of any two fits.
 std::optional<TimeNs> parse_seconds(std::string_view word);
 // ns -> seconds with six digits, or nine where six would lose something. parse_seconds gives the same ns back.
 std::string format_seconds(TimeNs time);

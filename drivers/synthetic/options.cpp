@@ -73,7 +73,7 @@ Status validate(const SyntheticOptions& options) {
                 {"fy", options.camera.fy, 1, 1e5},
                 {"cx", options.camera.cx, -1e4, 1e4},
                 {"cy", options.camera.cy, -1e4, 1e4},
-                {"fps", options.fps, 0.1, 1000},
+                {"fps", options.fps, 1, 1000},
                 {"speed_mps", options.speed_mps, 0.01, 5},
                 {"noise", options.noise, 0, 10},
                 {"max_depth_m", options.max_depth_m, 0.5, 65},

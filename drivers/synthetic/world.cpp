@@ -17,6 +17,11 @@ int print_of(const Object& object, const Part& part, int face) {
   return face == kLowerSide && object.class_id == ClassId::box ? kUpperSide : face;
 }
 
+// Stamps survive being written with six decimals.
+TimeNs whole_microseconds(double time_s) {
+  return static_cast<TimeNs>(time_s * 1e6 + 0.5) * kNsPerUs;
+}
+
 }  // namespace
 
 World::World(SyntheticOptions options, RobotMotion motion, Scene scene)
@@ -51,6 +56,14 @@ void World::paint() {
       }
     }
   }
+}
+
+TimeNs World::frame_time(std::uint64_t frame) const {
+  return whole_microseconds(static_cast<double>(frame) / options_.fps);
+}
+
+TimeNs World::start_stamp() const {
+  return whole_microseconds(options_.start_time_s);
 }
 
 std::uint64_t World::num_frames() const {

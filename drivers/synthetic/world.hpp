@@ -7,6 +7,7 @@
 #include "drivers/synthetic/options.hpp"
 #include "drivers/synthetic/scene.hpp"
 #include "drivers/synthetic/texture.hpp"
+#include "pipeline/base/time.hpp"
 
 namespace povslam::synthetic {
 
@@ -22,8 +23,9 @@ class World {
   Rigid3 T_world_body(double time_s) const { return motion_.T_world_body(time_s); }
   double lap_end_s(double laps) const { return motion_.lap_end_s(laps); }
 
-  std::uint64_t num_frames() const;  // of the camera, in the whole drive
-  double frame_time_s(std::uint64_t frame) const { return static_cast<double>(frame) / options_.fps; }
+  std::uint64_t num_frames() const;              // of the camera, in the whole drive
+  TimeNs frame_time(std::uint64_t frame) const;  // since the start of the drive, a whole number of microseconds
+  TimeNs start_stamp() const;                    // stamp of the start of the drive, likewise
 
   // surface as in ProjectedFace.
   const Texture& texture(int object, int surface) const {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "drivers/replay/text_file.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace povslam {
 
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 fs::path write_text(const std::string& text) {
-  const fs::path path = fs::path(testing::TempDir()) / "povslam_trajectory_test.txt";
+  const fs::path path = temp_folder() / "povslam_trajectory_test.txt";
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }
@@ -48,7 +49,10 @@ TEST(Seconds, RefuseWhatIsNoTime) {
 }
 
 TEST(Seconds, ComeBackFromTextAsTheyWere) {
-  rc::check([](TimeNs time) { RC_ASSERT(parse_seconds(format_seconds(time)) == time); });
+  rc::check([](TimeNs any) {
+    const TimeNs time = any / 2;
+    RC_ASSERT(parse_seconds(format_seconds(time)) == time);
+  });
   EXPECT_EQ(format_seconds(1305031229528748000), "1305031229.528748");
   EXPECT_EQ(format_seconds(33333333), "0.033333333");
 }
@@ -71,7 +75,7 @@ TEST(Trajectory, NamesFileAndLineOfWhatItCannotRead) {
   EXPECT_THAT(error_of("1 0 0 0 0 0 0 0\n"), HasSubstr(":1: the quaternion"));
   EXPECT_THAT(error_of(""), HasSubstr("holds no pose"));
   EXPECT_THAT(read_trajectory("/nonexistent/a.txt").error().message, HasSubstr("/nonexistent/a.txt: no such file"));
-  EXPECT_THAT(read_trajectory(testing::TempDir()).error().message, HasSubstr("not a regular file"));
+  EXPECT_THAT(read_trajectory(temp_folder()).error().message, HasSubstr("not a regular file"));
 }
 
 TEST(Trajectory, IsSortedAndARepeatedStampKeepsItsFirstPose) {

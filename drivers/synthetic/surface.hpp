@@ -1,0 +1,15 @@
+// Points on the true surfaces of the final arrangement: the reference that maps are scored against.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "drivers/synthetic/scene.hpp"
+
+namespace povslam::synthetic {
+
+// About spacing_m apart, world frame. The floor, faces that stand on it, people and what lies inside other boxes are
+// left out.
+std::vector<Eigen::Vector3f> final_surface(const Scene& scene, double spacing_m);
+
+}  // namespace povslam::synthetic

@@ -1,0 +1,388 @@
+#include "pipeline/backend/smooth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/support/simulated_window.hpp"
+
+namespace povslam {
+
+namespace {
+
+constexpr SmoothOptions kLeastSquares{
+    .max_iterations = 30, .huber_threshold = 1e6, .outlier_chi2 = 1e6, .outlier_chi2_no_depth = 1e6};
+
+simulated::WindowOptions small_window() {
+  simulated::WindowOptions options;
+  options.num_fixed = 3;
+  options.num_free = 4;
+  options.num_points = 60;
+  options.max_observations = 100'000;  // everything in view is seen
+  return options;
+}
+
+// RMS over the free poses of the translation's and the rotation's error.
+Eigen::Vector2d pose_error(const simulated::Window& window, const SmoothProblem& problem) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) {
+    if (problem.poses[i].fixed) continue;
+    const Vector6d xi = local(window.poses[i], problem.poses[i].T_world_camera);
+    sum += Eigen::Vector2d(xi.head<3>().squaredNorm(), xi.tail<3>().squaredNorm());
+    ++count;
+  }
+  return (sum / count).cwiseSqrt();
+}
+
+double median_point_error(const simulated::Window& window, const SmoothProblem& problem) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    errors.push_back((problem.points[i].p_world - window.points[i]).norm());
+  }
+  std::ranges::nth_element(errors, errors.begin() + errors.size() / 2);
+  return errors[errors.size() / 2];
+}
+
+Eigen::Vector3d predicted(const SmoothProblem& problem, const SmoothProblem::Observation& seen, const Rigid3& T,
+                          const Eigen::Vector3d& p_world) {
+  const Eigen::Vector3d p = T.inverse() * p_world;
+  return {(problem.fx * p.x() / p.z() + problem.cx) / seen.sigma_px,
+          (problem.fy * p.y() / p.z() + problem.cy) / seen.sigma_px,
+          seen.inverse_depth_per_m > 0.0F ? 1.0 / p.z() / seen.sigma_inverse_depth_per_m : 0.0};
+}
+
+// Information of the free poses (6 each, retract's xi) once the points are eliminated, from differences at the truth.
+Eigen::MatrixXd pose_information(const simulated::Window& window) {
+  const auto& problem = window.problem;
+  constexpr double kStep = 1e-6;
+  const auto first_free = std::ranges::find(problem.poses, false, &SmoothProblem::Pose::fixed) - problem.poses.begin();
+  const Eigen::Index num_pose = 6 * (std::ssize(problem.poses) - first_free),
+                     num_point = 3 * std::ssize(problem.points);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(num_pose + num_point, num_pose + num_point);
+  H.diagonal().tail(num_point).setConstant(1e-6);  // for points that nobody sees
+  for (const auto& seen : problem.observations) {
+    const Rigid3& T = window.poses[seen.pose];
+    const Eigen::Vector3d& p = window.points[seen.point];
+    Eigen::Matrix<double, 3, 9> J;
+    for (int k = 0; k < 9; ++k) {
+      const Eigen::Matrix<double, 9, 1> step = kStep * Eigen::Matrix<double, 9, 1>::Unit(k);
+      const Vector6d xi = step.head<6>(), back = -xi;
+      const Eigen::Vector3d dp = step.tail<3>();
+      J.col(k) =
+          (predicted(problem, seen, retract(T, xi), p + dp) - predicted(problem, seen, retract(T, back), p - dp)) /
+          (2.0 * kStep);
+    }
+    const Eigen::Index pose = 6 * (seen.pose - first_free), point = num_pose + 3 * seen.point;
+    H.block<3, 3>(point, point) += J.rightCols<3>().transpose() * J.rightCols<3>();
+    if (pose < 0) continue;
+    H.block<6, 6>(pose, pose) += J.leftCols<6>().transpose() * J.leftCols<6>();
+    H.block<6, 3>(pose, point) += J.leftCols<6>().transpose() * J.rightCols<3>();
+  }
+  const Eigen::MatrixXd cross = H.topRightCorner(num_pose, num_point);
+  const Eigen::MatrixXd inner = H.bottomRightCorner(num_point, num_point);
+  return H.topLeftCorner(num_pose, num_pose) - cross * inner.llt().solve(cross.transpose());
+}
+
+// What pose_error should be at the optimum.
+Eigen::Vector2d predicted_pose_error(const simulated::Window& window) {
+  const Eigen::VectorXd variance = pose_information(window).inverse().diagonal();
+  const Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>> by_pose(variance.data(), 6, variance.size() / 6);
+  const auto num_poses = static_cast<double>(by_pose.cols());
+  return Eigen::Vector2d(by_pose.topRows<3>().sum() / num_poses, by_pose.bottomRows<3>().sum() / num_poses).cwiseSqrt();
+}
+
+// Squared error of all free poses together, whitened by the covariance they should have.
+double nees(const simulated::Window& window, const SmoothProblem& answer) {
+  const Eigen::MatrixXd information = pose_information(window);
+  Eigen::VectorXd error(information.rows());
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < answer.poses.size(); ++i) {
+    if (answer.poses[i].fixed) continue;
+    error.segment<6>(row) = local(window.poses[i], answer.poses[i].T_world_camera);
+    row += 6;
+  }
+  return error.dot(information * error);
+}
+
+bool same_bytes(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+// NaN equals NaN here: the comparison is of bits.
+void expect_same(const SmoothProblem& a, const SmoothProblem& b) {
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  ASSERT_EQ(a.points.size(), b.points.size());
+  ASSERT_EQ(a.observations.size(), b.observations.size());
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    const Rigid3 &one = a.poses[i].T_world_camera, &other = b.poses[i].T_world_camera;
+    for (int k = 0; k < 4; ++k) EXPECT_TRUE(same_bytes(one.rotation.coeffs()[k], other.rotation.coeffs()[k]));
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(same_bytes(one.translation[k], other.translation[k]));
+  }
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(same_bytes(a.points[i].p_world[k], b.points[i].p_world[k]));
+  }
+  for (std::size_t i = 0; i < a.observations.size(); ++i) {
+    EXPECT_EQ(a.observations[i].outlier, b.observations[i].outlier);
+  }
+}
+
+void expect_refused(const SmoothProblem& asked) {
+  SmoothProblem answer = asked;
+  smooth(answer, SmoothOptions{});
+  EXPECT_FALSE(answer.converged);
+  expect_same(asked, answer);
+}
+
+}  // namespace
+
+TEST(Smooth, BringsAPerturbedWindowBackToTheTruth) {
+  simulated::WindowOptions options;
+  options.num_fixed = options.num_free = 6;
+  options.num_points = 400;
+  options.max_observations = 2500;
+  simulated::Window window = simulated::make_window(options);
+  smooth(window.problem, SmoothOptions{});
+  EXPECT_TRUE(window.problem.converged);
+  EXPECT_GT(window.problem.iterations, 1);
+  EXPECT_LT(window.problem.cost_after, 0.1 * window.problem.cost_before);
+  const Eigen::Vector2d predicted_error = predicted_pose_error(window);
+  EXPECT_LT(predicted_error[0], 0.004);  // the guess was 0.035 m off
+  EXPECT_LT(predicted_error[1], 0.002);  // and 0.017 rad
+  EXPECT_LT(pose_error(window, window.problem)[0], 2.0 * predicted_error[0]);
+  EXPECT_LT(pose_error(window, window.problem)[1], 2.0 * predicted_error[1]);
+  EXPECT_LT(median_point_error(window, window.problem), 0.025);
+}
+
+TEST(Smooth, ErrorsOfThePosesAreWhatTheirCovariancePredicts) {
+  constexpr int kSeeds = 20, kDof = 6 * 4;
+  double sum = 0.0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    simulated::WindowOptions options = small_window();
+    options.seed = seed;
+    simulated::Window window = simulated::make_window(options);
+    smooth(window.problem, SmoothOptions{});
+    ASSERT_TRUE(window.problem.converged);
+    sum += nees(window, window.problem);
+  }
+  const double mean = sum / kSeeds, sigma = std::sqrt(2.0 * kDof / kSeeds);
+  EXPECT_NEAR(mean, kDof, 3.0 * sigma);
+}
+
+TEST(Smooth, CostAtTheOptimumIsWhatTheSigmasPredict) {
+  double sum = 0.0, dof = 0.0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    simulated::WindowOptions options = small_window();
+    options.seed = seed;
+    SmoothProblem problem = simulated::make_window(options).problem;
+    smooth(problem, kLeastSquares);
+    ASSERT_TRUE(problem.converged);
+    for (const auto& seen : problem.observations) dof += seen.inverse_depth_per_m > 0.0F ? 3.0 : 2.0;
+    dof -= 6.0 * options.num_free + 3.0 * options.num_points;
+    sum += 2.0 * problem.cost_after;
+  }
+  EXPECT_NEAR(sum, dof, 3.0 * std::sqrt(2.0 * dof));
+}
+
+TEST(Smooth, FindsPlantedOutliersAndSparesGoodObservations) {
+  simulated::WindowOptions options;
+  options.num_fixed = options.num_free = 6;
+  options.num_points = 400;
+  options.max_observations = 3000;
+  options.share_outliers = 0.1;
+  simulated::Window window = simulated::make_window(options);
+  smooth(window.problem, SmoothOptions{});
+  ASSERT_TRUE(window.problem.converged);
+  int planted = 0, found = 0, good = 0, accused = 0;
+  for (std::size_t i = 0; i < window.planted.size(); ++i) {
+    const bool marked = window.problem.observations[i].outlier;
+    (window.planted[i] ? planted : good) += 1;
+    (window.planted[i] ? found : accused) += marked ? 1 : 0;
+  }
+  ASSERT_GT(planted, 200);
+  EXPECT_GT(found, 0.97 * planted);
+  EXPECT_LT(accused, 0.02 * good);
+  EXPECT_LT(pose_error(window, window.problem)[0], 0.003);
+}
+
+TEST(Smooth, HoldsFixedPosesExactly) {
+  simulated::Window window = simulated::make_window(small_window());
+  const SmoothProblem asked = window.problem;
+  smooth(window.problem, SmoothOptions{});
+  for (std::size_t i = 0; i < asked.poses.size(); ++i) {
+    const Rigid3 &before = asked.poses[i].T_world_camera, &after = window.problem.poses[i].T_world_camera;
+    const bool same = before.rotation.coeffs() == after.rotation.coeffs() && before.translation == after.translation;
+    EXPECT_EQ(same, asked.poses[i].fixed);
+  }
+}
+
+TEST(Smooth, TriangulatesPointsThatNobodySawInDepth) {
+  simulated::WindowOptions options = small_window();
+  options.num_fixed = 6;  // half of the path is known: that gives the scale
+  options.share_without_depth = 1.0;
+  options.point_error_m = 0.2;
+  simulated::Window window = simulated::make_window(options);
+  smooth(window.problem, SmoothOptions{.max_iterations = 20});
+  EXPECT_TRUE(window.problem.converged);
+  EXPECT_LT(median_point_error(window, window.problem), 0.04);  // from 0.3 m
+  EXPECT_LT(pose_error(window, window.problem)[0], 0.01);
+}
+
+TEST(Smooth, LeavesAPointAloneThatOneRayCannotPlaceAndItsPoseUnharmed) {
+  simulated::Window window = simulated::make_window(small_window());
+  SmoothProblem without = window.problem;
+  auto& problem = window.problem;
+  const Eigen::Vector3d nowhere = problem.poses.back().T_world_camera * Eigen::Vector3d(0.3, 0.2, 2.5);
+  problem.points.push_back({nowhere, 1000, 0});
+  SmoothProblem::Observation ray;
+  ray.pose = static_cast<std::int32_t>(problem.poses.size()) - 1;
+  ray.point = static_cast<std::int32_t>(problem.points.size()) - 1;
+  ray.u_px = 600.0F;
+  problem.observations.push_back(ray);
+  smooth(problem, SmoothOptions{});
+  smooth(without, SmoothOptions{});
+  EXPECT_TRUE(problem.converged);
+  EXPECT_EQ(problem.points.back().p_world, nowhere);
+  EXPECT_TRUE(problem.observations.back().outlier);
+  EXPECT_EQ(problem.poses.back().T_world_camera.translation, without.poses.back().T_world_camera.translation);
+}
+
+TEST(Smooth, APointFollowsTheOnlyKeyframeThatSawIt) {
+  simulated::Window window = simulated::make_window(small_window());
+  auto& problem = window.problem;
+  const Eigen::Vector3d p_camera(0.25, -0.1, 2.0);
+  problem.points.push_back({problem.poses.back().T_world_camera * p_camera, 1000, 0});
+  SmoothProblem::Observation seen;
+  seen.pose = static_cast<std::int32_t>(problem.poses.size()) - 1;
+  seen.point = static_cast<std::int32_t>(problem.points.size()) - 1;
+  seen.u_px = static_cast<float>(problem.cx + problem.fx * 0.125);
+  seen.v_px = static_cast<float>(problem.cy - problem.fy * 0.05);
+  seen.inverse_depth_per_m = 0.5F;
+  seen.sigma_inverse_depth_per_m = 0.0025F;
+  problem.observations.push_back(seen);
+  smooth(problem, SmoothOptions{});
+  const Eigen::Vector3d after_camera = problem.poses.back().T_world_camera.inverse() * problem.points.back().p_world;
+  EXPECT_LT((after_camera - p_camera).norm(), 0.002);
+  EXPECT_LT((problem.points.back().p_world - window.poses.back() * p_camera).norm(), 0.02);
+}
+
+TEST(Smooth, SameQuestionSameBytes) {
+  simulated::WindowOptions options = small_window();
+  options.share_outliers = 0.05;
+  SmoothProblem one = simulated::make_window(options).problem, other = one;
+  smooth(one, SmoothOptions{});
+  smooth(other, SmoothOptions{});
+  EXPECT_TRUE(one.converged);
+  EXPECT_TRUE(same_bytes(one.cost_after, other.cost_after));
+  expect_same(one, other);
+}
+
+TEST(Smooth, MovesOnlyPointsWhenEveryPoseIsFixed) {
+  simulated::WindowOptions options = small_window();
+  options.num_fixed = 7;
+  options.num_free = 0;
+  simulated::Window window = simulated::make_window(options);
+  smooth(window.problem, SmoothOptions{});
+  EXPECT_TRUE(window.problem.converged);
+  EXPECT_LT(median_point_error(window, window.problem), 0.03);
+}
+
+TEST(Smooth, AnObservationFromBehindTheCameraIsAnOutlierAndDoesNoHarm) {
+  simulated::Window window = simulated::make_window(small_window());
+  auto& problem = window.problem;
+  problem.points[0].p_world = {0.5, -3.0, 1.0};
+  smooth(problem, SmoothOptions{});
+  EXPECT_TRUE(problem.converged);
+  EXPECT_EQ(problem.points[0].p_world, Eigen::Vector3d(0.5, -3.0, 1.0));
+  for (const auto& seen : problem.observations) EXPECT_TRUE(seen.point != 0 || seen.outlier);
+  EXPECT_LT(pose_error(window, problem)[0], 0.01);
+}
+
+TEST(Smooth, StaysWithAPoseThatTooFewPointsHold) {
+  simulated::Window window = simulated::make_window(small_window());
+  auto& problem = window.problem;
+  int kept = 0;
+  std::erase_if(problem.observations, [&kept](const auto& seen) { return seen.pose == 6 && kept++ >= 1; });
+  const Eigen::Vector3d before = problem.poses[6].T_world_camera.translation;
+  smooth(problem, SmoothOptions{});
+  EXPECT_TRUE(problem.converged);
+  EXPECT_EQ(problem.poses[6].T_world_camera.translation, before);
+  EXPECT_LT((problem.poses[5].T_world_camera.translation - window.poses[5].translation).norm(), 0.01);
+}
+
+TEST(Smooth, RefusesAnEmptyProblem) {
+  expect_refused(SmoothProblem{});
+  SmoothProblem only_poses = simulated::make_window(small_window()).problem;
+  only_poses.observations.clear();
+  expect_refused(only_poses);
+}
+
+TEST(Smooth, RefusesAProblemWithoutAFixedPose) {
+  SmoothProblem problem = simulated::make_window(small_window()).problem;
+  for (auto& pose : problem.poses) pose.fixed = false;
+  expect_refused(problem);
+}
+
+TEST(Smooth, RefusesWhenAllPointsAreAtOnePlace) {
+  SmoothProblem problem = simulated::make_window(small_window()).problem;
+  for (auto& point : problem.points) point.p_world = {0.5, 3.0, 1.0};
+  expect_refused(problem);
+}
+
+TEST(Smooth, RefusesWhenAlmostNothingFits) {
+  simulated::WindowOptions options = small_window();
+  options.share_outliers = 0.9;
+  expect_refused(simulated::make_window(options).problem);
+}
+
+TEST(Smooth, RefusesNumbersThatAreNone) {
+  const SmoothProblem good = simulated::make_window(small_window()).problem;
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const auto bad_float = static_cast<float>(bad);
+    const auto refuse = [&good](const auto& spoil) {
+      SmoothProblem problem = good;
+      spoil(problem);
+      expect_refused(problem);
+    };
+    refuse([&](SmoothProblem& problem) { problem.fx = bad; });
+    refuse([&](SmoothProblem& problem) { problem.cy = bad; });
+    refuse([&](SmoothProblem& problem) { problem.poses[1].T_world_camera.translation.y() = bad; });
+    refuse([&](SmoothProblem& problem) { problem.poses[5].T_world_camera.rotation.w() = bad; });
+    refuse([&](SmoothProblem& problem) { problem.points[7].p_world.z() = bad; });
+    refuse([&](SmoothProblem& problem) { problem.observations[9].u_px = bad_float; });
+    refuse([&](SmoothProblem& problem) { problem.observations[9].inverse_depth_per_m = bad_float; });
+    refuse([&](SmoothProblem& problem) { problem.observations[9].sigma_px = bad_float; });
+  }
+}
+
+TEST(Smooth, RefusesIndicesAndSigmasOutOfRange) {
+  const SmoothProblem good = simulated::make_window(small_window()).problem;
+  SmoothProblem problem = good;
+  problem.observations[3].pose = 7;
+  expect_refused(problem);
+  problem = good;
+  problem.observations[3].point = -1;
+  expect_refused(problem);
+  problem = good;
+  problem.observations[3].sigma_px = 0.0F;
+  expect_refused(problem);
+  problem = good;
+  problem.poses[4].T_world_camera.rotation.coeffs().setZero();
+  expect_refused(problem);
+}
+
+TEST(Smooth, SurvivesNumbersOfAbsurdSize) {
+  SmoothProblem problem = simulated::make_window(small_window()).problem;
+  problem.points[7].p_world = {1e300, 1e300, 1e300};
+  problem.observations[20].u_px = 1e38F;
+  problem.observations[30].sigma_px = 1e-38F;
+  problem.poses[5].T_world_camera.translation.x() = 1e200;
+  smooth(problem, SmoothOptions{});
+  for (const auto& pose : problem.poses) EXPECT_TRUE(pose.T_world_camera.translation.allFinite());
+  for (const auto& point : problem.points) EXPECT_TRUE(point.p_world.allFinite());
+}
+
+}  // namespace povslam
