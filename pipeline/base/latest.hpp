@@ -16,7 +16,8 @@ class Latest {
   Latest(const Latest&) = delete;
   Latest& operator=(const Latest&) = delete;
 
-  // Writer thread: fill draft(), then publish(). A value not yet read is replaced.
+  // Writer thread: fill draft(), then publish(). A value not yet read is replaced. The draft holds some older value,
+  // so write all of it; references to it end with publish().
   T& draft() { return slots_[write_]; }
   void publish() { write_ = middle_.exchange(write_ | kFresh, std::memory_order_acq_rel) & kIndex; }
 

@@ -1,6 +1,7 @@
 // Bounded hand-off from exactly one producer thread to exactly one consumer thread.
 // Lock-free and allocation-free after construction (boost::lockfree::spsc_queue); an empty ring is waited
 // for on a futex (C++20 atomic wait), never by spinning. When full, try_push refuses: the caller counts the drop.
+// Values are moved in and out. The queue itself copies its elements, so it carries the numbers of slots.
 #pragma once
 
 #include <atomic>
@@ -8,7 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "pipeline/base/expects.hpp"
 
@@ -16,15 +19,20 @@ namespace povslam {
 
 template <class T>
 class SpscRing {
+  static_assert(std::is_nothrow_move_constructible_v<T>);
+
  public:
-  explicit SpscRing(std::size_t capacity) : queue_(capacity), capacity_(capacity) { EXPECTS(capacity > 0); }
+  explicit SpscRing(std::size_t capacity) : slots_(capacity), queue_(capacity) { EXPECTS(capacity > 0); }
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
 
   // Producer thread. False when full or closed; the value is then left untouched.
   bool try_push(T&& value) {
     if (closed_.load(std::memory_order_acquire)) return false;
-    if (!queue_.push(std::move(value))) return false;
+    if (queue_.write_available() == 0) return false;  // room for a number means its slot is empty again
+    slots_[next_].emplace(std::move(value));
+    queue_.push(next_);
+    next_ = next_ + 1 == slots_.size() ? 0 : next_ + 1;
     signal();
     return true;
   }
@@ -32,7 +40,10 @@ class SpscRing {
   // Consumer thread. Nothing when empty at this moment.
   std::optional<T> try_pop() {
     std::optional<T> value;
-    queue_.consume_one([&value](T& front) { value.emplace(std::move(front)); });
+    queue_.consume_one([&](std::size_t slot) {  // the slot is the producer's again only after this returns
+      value.emplace(std::move(*slots_[slot]));
+      slots_[slot].reset();
+    });
     return value;
   }
 
@@ -46,23 +57,25 @@ class SpscRing {
     }
   }
 
-  // Any thread. Wakes the consumer; values already inside can still be popped.
+  // Any thread. Wakes the consumer; values already inside can still be popped. A push that runs at the same moment may
+  // succeed after the consumer saw the end: who counts every value calls try_pop once more after the producer ended.
   void close() {
     closed_.store(true, std::memory_order_release);
     signal();
   }
 
   std::size_t size() const { return queue_.read_available(); }  // exact on the consumer thread
-  std::size_t capacity() const { return capacity_; }
+  std::size_t capacity() const { return slots_.size(); }
 
  private:
   void signal() {
-    epoch_.fetch_add(1, std::memory_order_release);
+    epoch_.fetch_add(1, std::memory_order_seq_cst);  // before the look for a sleeper inside notify_one
     epoch_.notify_one();
   }
 
-  boost::lockfree::spsc_queue<T> queue_;
-  std::size_t capacity_;
+  std::vector<std::optional<T>> slots_;
+  boost::lockfree::spsc_queue<std::size_t> queue_;
+  std::size_t next_ = 0;  // slot the producer fills next
   alignas(64) std::atomic<std::uint32_t> epoch_{0};
   std::atomic<bool> closed_{false};
 };

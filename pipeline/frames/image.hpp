@@ -8,6 +8,8 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <type_traits>
+#include <utility>
 
 #include "pipeline/base/expects.hpp"
 
@@ -15,12 +17,22 @@ namespace povslam {
 
 template <class Pixel>
 class Image {
+  static_assert(std::is_trivially_copyable_v<Pixel>);
+
  public:
   Image() = default;
   Image(int width, int height, int channels = 1) { resize(width, height, channels); }
   Image(const Image& other) { *this = other; }
-  Image(Image&&) noexcept = default;
-  Image& operator=(Image&&) noexcept = default;
+  Image(Image&& other) noexcept { *this = std::move(other); }
+  Image& operator=(Image&& other) noexcept {  // leaves `other` empty, ready for resize()
+    if (this == &other) return *this;
+    buffer_ = std::move(other.buffer_);
+    capacity_ = std::exchange(other.capacity_, 0);
+    width_ = std::exchange(other.width_, 0);
+    height_ = std::exchange(other.height_, 0);
+    channels_ = std::exchange(other.channels_, 1);
+    return *this;
+  }
   Image& operator=(const Image& other) {
     if (this == &other) return *this;
     resize(other.width_, other.height_, other.channels_);
@@ -49,7 +61,7 @@ class Image {
   int channels() const { return channels_; }
   bool empty() const { return size() == 0; }
   std::size_t size() const { return static_cast<std::size_t>(width_) * height_ * channels_; }
-  std::size_t stride() const { return static_cast<std::size_t>(width_) * channels_; }  // pixels values a row
+  std::size_t stride() const { return static_cast<std::size_t>(width_) * channels_; }  // pixel values a row
 
   Pixel* data() { return buffer_.get(); }
   const Pixel* data() const { return buffer_.get(); }

@@ -18,9 +18,12 @@ struct SensorFrame {
 
   TimeNs stamp() const {
     switch (kind) {
-      case SensorKind::rgbd: return rgbd.stamp;
-      case SensorKind::lidar: return lidar.stamp;
-      case SensorKind::labels: return labels.stamp;
+      case SensorKind::rgbd:
+        return rgbd.stamp;
+      case SensorKind::lidar:
+        return lidar.stamp;
+      case SensorKind::labels:
+        return labels.stamp;
     }
     return 0;
   }

@@ -9,8 +9,8 @@
 namespace povslam {
 
 struct PinholeCamera {
-  int width = 0;   // px
-  int height = 0;  // px
+  int width = 0;                                  // px
+  int height = 0;                                 // px
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  // px
   std::array<double, 5> distortion{};             // k1 k2 p1 p2 k3, all zero: none
 
@@ -19,9 +19,11 @@ struct PinholeCamera {
 
   // Point on the plane z = 1 before the lens -> after the lens.
   Eigen::Vector2d distort(const Eigen::Vector2d& ideal) const;
-  Eigen::Vector2d undistort(const Eigen::Vector2d& seen) const;  // inverse, by fixed-point iteration to 1e-9
+  // Inverse, by Newton's method to 1e-9. What no point is seen at (outside a barrel lens) gives some finite point.
+  Eigen::Vector2d undistort(const Eigen::Vector2d& seen) const;
 
-  // Camera point -> pixel as the sensor delivers it (distorted). Nothing for z <= 0; the image bounds are not checked.
+  // Camera point -> pixel as the sensor delivers it (distorted). Nothing for z <= 0 or where the lens model folds back
+  // on itself (far outside the view, points would seem to lie inside); the image bounds are not checked.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_camera) const;
   // Pixel as delivered -> direction with z = 1.
   Eigen::Vector3d unproject(const Eigen::Vector2d& pixel) const;

@@ -5,8 +5,28 @@
 namespace povslam {
 
 namespace {
+
 constexpr double kSmallAngleRad = 1e-5;
+
+// Coefficients of the left Jacobian I + a W + b W^2, without the cancellation of their textbook forms.
+double one_minus_cos_over_square(double angle) {
+  if (angle < kSmallAngleRad) return 0.5;
+  const double sinc_half = std::sin(0.5 * angle) / (0.5 * angle);
+  return 0.5 * sinc_half * sinc_half;
 }
+double angle_minus_sin_over_cube(double angle) {
+  const double x = angle * angle;
+  if (angle < 0.1) return (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0))) / 6.0;
+  return (angle - std::sin(angle)) / (x * angle);
+}
+// Coefficient c of the inverse I - W / 2 + c W^2; singular at 2 pi.
+double inverse_coefficient(double angle) {
+  const double x = angle * angle;
+  if (angle < 0.1) return (1.0 + x / 60.0 * (1.0 + x / 42.0 * (1.0 + x / 40.0))) / 12.0;
+  return 1.0 / x - 0.5 / (angle * std::tan(0.5 * angle));
+}
+
+}  // namespace
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
@@ -33,19 +53,13 @@ Eigen::Vector3d so3_log(const Eigen::Quaterniond& q) {
 
 Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
-  const double angle2 = angle * angle;
   const Eigen::Matrix3d W = skew(phi);
-  const double a = angle < 1e-4 ? 0.5 - angle2 / 24.0 : (1.0 - std::cos(angle)) / angle2;
-  const double b = angle < 1e-4 ? 1.0 / 6.0 - angle2 / 120.0 : (angle - std::sin(angle)) / (angle2 * angle);
-  return Eigen::Matrix3d::Identity() + a * W + b * W * W;
+  return Eigen::Matrix3d::Identity() + one_minus_cos_over_square(angle) * W + angle_minus_sin_over_cube(angle) * W * W;
 }
 
 Eigen::Matrix3d so3_left_jacobian_inverse(const Eigen::Vector3d& phi) {
-  const double angle = phi.norm();
   const Eigen::Matrix3d W = skew(phi);
-  const double c = angle < 1e-4 ? 1.0 / 12.0 + angle * angle / 720.0
-                                : 1.0 / (angle * angle) - 0.5 / (angle * std::tan(0.5 * angle));
-  return Eigen::Matrix3d::Identity() - 0.5 * W + c * W * W;
+  return Eigen::Matrix3d::Identity() - 0.5 * W + inverse_coefficient(phi.norm()) * W * W;
 }
 
 Rigid3 se3_exp(const Vector6d& xi) {
@@ -79,8 +93,12 @@ Vector6d local(const Rigid3& T, const Rigid3& other) {
   return xi;
 }
 
-Rigid3 interpolate(const Rigid3& a, const Rigid3& b, double s) { return a * se3_exp(s * se3_log(a.inverse() * b)); }
+Rigid3 interpolate(const Rigid3& a, const Rigid3& b, double s) {
+  return a * se3_exp(s * se3_log(a.inverse() * b));
+}
 
-double rotation_angle_rad(const Rigid3& T) { return so3_log(T.rotation).norm(); }
+double rotation_angle_rad(const Rigid3& T) {
+  return so3_log(T.rotation).norm();
+}
 
 }  // namespace povslam

@@ -35,7 +35,7 @@ struct Rigid3 {
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);  // skew(a) b = a x b
 
 Eigen::Quaterniond so3_exp(const Eigen::Vector3d& phi);
-Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);  // |phi| <= pi
+Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);  // |phi| <= pi; at pi either of the two opposite axes
 Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi);
 Eigen::Matrix3d so3_left_jacobian_inverse(const Eigen::Vector3d& phi);
 
@@ -46,7 +46,8 @@ Matrix6d adjoint(const Rigid3& T);  // T Exp(xi) T^-1 = Exp(adjoint(T) xi)
 Rigid3 retract(const Rigid3& T, const Vector6d& xi);
 Vector6d local(const Rigid3& T, const Rigid3& other);  // retract(T, local(T, other)) = other
 
-// Constant-velocity interpolation: s = 0 gives a, s = 1 gives b (s outside [0, 1] extrapolates).
+// Motion of constant velocity as seen from the moving frame (a screw): s = 0 gives a, s = 1 gives b, s outside [0, 1]
+// extrapolates.
 Rigid3 interpolate(const Rigid3& a, const Rigid3& b, double s);
 
 double rotation_angle_rad(const Rigid3& T);

@@ -1,0 +1,72 @@
+#include "daemon/app.hpp"
+
+#include <utility>
+
+#include "pipeline/base/log.hpp"
+
+namespace povslam {
+namespace {
+
+constexpr std::size_t kPoseRing = 256;   // 8 s at 30 Hz: what a stalled publisher may hold back
+constexpr std::size_t kProblemRing = 8;  // the pipeline asks for one at a time
+
+Rigid3 start_of(const AppConfig& config, const AppOptions& options, const Rigid3& T_body_camera) {
+  if (options.T_world_camera_start) return *options.T_world_camera_start * T_body_camera.inverse();
+  return config.start.rigid();
+}
+
+}  // namespace
+
+Rigid3 mount_of(const SensorConfig& config, const SensorCalibration& calibration) {
+  if (config.has_mount) return config.T_body_sensor();
+  // No camera looks along the body's z axis with its x forward: the identity means that the driver does not know.
+  const Rigid3& known = calibration.T_body_sensor;
+  const bool unknown = known.translation.isZero() && rotation_angle_rad(known) == 0.0;
+  return unknown ? level_forward_camera() : known;
+}
+
+Result<std::unique_ptr<App>> App::start(const AppConfig& config, AppOptions options) {
+  EXPECTS(config.sensors.size() == 1 && options.driver != nullptr);
+  const SensorConfig& sensor = config.sensors[0];
+  Result<DriverSetup> setup = options.driver->open();
+  if (!setup) return Error{sensor.name + ": " + setup.error().message};
+  if (setup->sensors.empty() || setup->sensors[0].kind != SensorKind::rgbd || !setup->sensors[0].camera.valid()) {
+    return Error{sensor.name + ": " + setup->description + " delivers no RGB-D camera as its first sensor"};
+  }
+  SensorCalibration& calibration = setup->sensors[0];
+  calibration.T_body_sensor = mount_of(sensor, calibration);
+  log::info("{}: {}, {} x {} px, {:.1f} Hz", sensor.name, setup->description, calibration.camera.width,
+            calibration.camera.height, calibration.fps);
+  return std::unique_ptr<App>(new App(config, std::move(options), std::move(*setup)));
+}
+
+App::App(const AppConfig& config, AppOptions options, DriverSetup setup)
+    : setup_(std::move(setup)),
+      frames_(config.daemon.frame_slots),
+      poses_(kPoseRing),
+      asked_(kProblemRing),
+      solved_(kProblemRing),
+      pipeline_(
+          std::make_unique<Pipeline>(config.pipeline, setup_.sensors[0], start_of(config, options, T_body_camera()))) {
+  reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s)}, options.sinks,
+                    poses_, counters_);
+  backend_.emplace(asked_, solved_, config.pipeline.backend.smooth, counters_);
+  tracking_.emplace(*pipeline_, frames_, poses_, asked_, solved_, counters_, options.probe);
+  reporter_->watch(&*tracking_);
+  options.sensor.name = config.sensors[0].name;
+  sensor_.emplace(options.sensor, std::move(options.driver), setup_, frames_, counters_, std::move(options.on_end));
+}
+
+App::~App() {
+  stop();
+}
+
+void App::stop() {
+  sensor_.reset();
+  if (reporter_) reporter_->watch(nullptr);
+  tracking_.reset();
+  backend_.reset();
+  reporter_.reset();
+}
+
+}  // namespace povslam

@@ -1,0 +1,62 @@
+// The running daemon without its process: owns the driver, the rings, the threads and the pipeline. The order of the
+// members is the order of starting; destruction stops them in reverse: sensor, tracking, backend, reporter.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "daemon/backend_thread.hpp"
+#include "daemon/config.hpp"
+#include "daemon/counters.hpp"
+#include "daemon/frame_exchange.hpp"
+#include "daemon/reporter.hpp"
+#include "daemon/sensor_thread.hpp"
+#include "daemon/sink.hpp"
+#include "daemon/tracking_thread.hpp"
+
+namespace povslam {
+
+struct AppOptions {
+  std::unique_ptr<Driver> driver;              // of config.sensors[0], not yet open
+  std::vector<Sink*> sinks;                    // outlive the App
+  std::function<void()> on_end;                // a finite source is over; called on the sensor thread
+  std::optional<Rigid3> T_world_camera_start;  // overrides config.start
+  SensorThreadOptions sensor;  // pauses between attempts to reopen; its name comes from the configuration
+  TrackingProbe probe;
+};
+
+class App {
+ public:
+  // Opens the sensor and starts all threads. Fails with the sensor's message when it cannot be opened.
+  static Result<std::unique_ptr<App>> start(const AppConfig& config, AppOptions options);
+  ~App();
+
+  // Stops within 2 s (a driver's next() returns within 1 s): what was received is tracked and given to the sinks.
+  void stop();
+
+  const Counters& counters() const { return counters_; }
+  const DriverSetup& setup() const { return setup_; }
+  const Rigid3& T_body_camera() const { return setup_.sensors[0].T_body_sensor; }
+  const Pipeline& pipeline() const { return *pipeline_; }  // after stop()
+
+ private:
+  App(const AppConfig& config, AppOptions options, DriverSetup setup);
+
+  DriverSetup setup_;
+  Counters counters_;
+  FrameExchange frames_;
+  PoseRing poses_;
+  ProblemRing asked_, solved_;
+  std::unique_ptr<Pipeline> pipeline_;
+  std::optional<Reporter> reporter_;
+  std::optional<BackendThread> backend_;
+  std::optional<TrackingThread> tracking_;
+  std::optional<SensorThread> sensor_;
+};
+
+// The mount that holds: the configuration's, else the driver's, else level and forward at the body's origin.
+Rigid3 mount_of(const SensorConfig& config, const SensorCalibration& calibration);
+
+}  // namespace povslam

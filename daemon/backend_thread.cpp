@@ -1,0 +1,36 @@
+#include "daemon/backend_thread.hpp"
+
+#include <utility>
+
+#include "daemon/thread_name.hpp"
+
+namespace povslam {
+
+BackendThread::BackendThread(SpscRing<SmoothProblem*>& asked, SpscRing<SmoothProblem*>& solved,
+                             const SmoothOptions& options, Counters& counters)
+    : asked_(asked),
+      solved_(solved),
+      options_(options),
+      counters_(counters),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+BackendThread::~BackendThread() {
+  thread_.request_stop();
+  asked_.close();
+  thread_.join();
+}
+
+void BackendThread::run(const std::stop_token& stop) {
+  name_this_thread("backend");
+  while (auto problem = asked_.pop()) {
+    if (stop.stop_requested()) return;
+    const TimeNs begun = monotonic_now();
+    smooth(**problem, options_);
+    counters_.backend_last.store(monotonic_now() - begun, std::memory_order_relaxed);
+    counters_.backend_runs.fetch_add(1, std::memory_order_relaxed);
+    const bool taken = solved_.try_push(std::move(*problem));
+    EXPECTS(taken);  // the ring holds as many as can be asked for at once
+  }
+}
+
+}  // namespace povslam

@@ -1,0 +1,133 @@
+#include "daemon/reporter.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "daemon/thread_name.hpp"
+
+namespace povslam {
+namespace {
+
+constexpr std::size_t kMaxSamples = 4096;  // of a period; more are not needed for its percentiles
+
+Percentiles percentiles(std::vector<float>& values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&values](double share) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+    return static_cast<double>(values[std::max<std::size_t>(rank, 1) - 1]);
+  };
+  return {at(0.50), at(0.99)};
+}
+
+double memory_rss_mb() {
+  long pages = 0, resident = 0;
+  if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
+    if (std::fscanf(file, "%ld %ld", &pages, &resident) != 2) resident = 0;
+    std::fclose(file);
+  }
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
+}
+
+}  // namespace
+
+Reporter::Reporter(const ReporterOptions& options, std::vector<Sink*> sinks, PoseRing& poses, const Counters& counters)
+    : options_(options), sinks_(std::move(sinks)), poses_(poses), counters_(counters) {
+  latencies_ms_.reserve(kMaxSamples);
+  tracking_ms_.reserve(kMaxSamples);
+  monitor_ = std::jthread([this](const std::stop_token& stop) { monitor(stop); });
+  publisher_ = std::jthread([this] { publish_frames(); });
+}
+
+Reporter::~Reporter() {
+  poses_.close();
+  publisher_.join();
+  monitor_.request_stop();
+  monitor_.join();
+}
+
+void Reporter::watch(const TrackingThread* tracking) {
+  const std::lock_guard lock(mutex_);
+  tracking_ = tracking;
+}
+
+void Reporter::publish_frames() {
+  name_this_thread("publisher");
+  while (const auto frame = poses_.pop()) take(*frame);
+}
+
+void Reporter::take(const TrackedFrame& frame) {
+  const std::lock_guard lock(mutex_);
+  for (Sink* sink : sinks_) sink->on_frame(frame);
+  if (latencies_ms_.size() < kMaxSamples) {
+    latencies_ms_.push_back(static_cast<float>(to_ms(frame.handed_over - frame.received)));
+    tracking_ms_.push_back(frame.pose.times.total_ms);
+  }
+  map_ = frame.map;
+  if (std::exchange(state_, frame.pose.state) != frame.pose.state) {
+    state_changed_ = true;
+    changed_.notify_one();
+  }
+}
+
+void Reporter::monitor(const std::stop_token& stop) {
+  name_this_thread("monitor");
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    changed_.wait_for(lock, stop, std::chrono::nanoseconds(options_.health_period), [this] { return state_changed_; });
+    state_changed_ = false;
+    const Health health = collect();
+    for (Sink* sink : sinks_) sink->on_health(health);
+  }
+}
+
+Health Reporter::collect() {
+  const TimeNs now = monotonic_now();
+  const double period_s = std::max(1e-3, to_seconds(now - std::exchange(period_began_, now)));
+  Health health;
+  health.state = state_;
+  health.tracking_alive = tracking_ == nullptr || tracking_->alive(options_.tracking_limit);
+  health.sensors_up = counters_.sensors_up.load();
+  health.sensors_down = options_.num_sensors - health.sensors_up;
+  health.reopened = counters_.reopened.load();
+  health.frames_in = counters_.frames_in.load();
+  health.frames_tracked = counters_.tracked.load();
+  health.frames_lost = counters_.lost.load();
+  for (std::size_t i = 0; i < kNumDropReasons; ++i) health.drops[i] = counters_.drops[i].load();
+  health.uptime_s = to_seconds(now - started_);
+  health.frames_per_s = static_cast<double>(latencies_ms_.size()) / period_s;
+  health.latency_ms = percentiles(latencies_ms_);
+  health.tracking_ms = percentiles(tracking_ms_);
+  latencies_ms_.clear();
+  tracking_ms_.clear();
+  health.map = map_;
+  health.backend_runs = counters_.backend_runs.load();
+  health.backend_last_ms = to_ms(counters_.backend_last.load());
+  health.memory_rss_mb = memory_rss_mb();
+  return health;
+}
+
+const char* to_string(DropReason reason) {
+  switch (reason) {
+    case DropReason::ring_full:
+      return "ring_full";
+    case DropReason::bad_frame:
+      return "bad_frame";
+    case DropReason::gap:
+      return "gap";
+    case DropReason::late:
+      return "late";
+    case DropReason::unused:
+      return "unused";
+    case DropReason::publisher:
+      return "publisher";
+  }
+  return "unknown";
+}
+
+}  // namespace povslam

@@ -1,0 +1,58 @@
+// One sensor: reads its driver and hands frames to tracking. A driver that fails is closed and reopened with growing
+// pauses; the rest of the daemon goes on meanwhile. Every frame that does not reach tracking is counted with a reason.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "daemon/counters.hpp"
+#include "daemon/frame_exchange.hpp"
+#include "drivers/driver.hpp"
+
+namespace povslam {
+
+struct SensorThreadOptions {
+  std::string name;
+  TimeNs first_pause = 100 * kNsPerMs;  // before reopening; doubles up to
+  TimeNs longest_pause = 5 * kNsPerSecond;
+};
+
+class SensorThread {
+ public:
+  // `driver` is open, `setup` what open() said. `on_end` is called once, on the sensor thread, when the stream is over.
+  SensorThread(SensorThreadOptions options, std::unique_ptr<Driver> driver, DriverSetup setup, FrameExchange& frames,
+               Counters& counters, std::function<void()> on_end);
+  ~SensorThread();  // stops, joins, closes the driver
+
+  SensorThread(const SensorThread&) = delete;
+  SensorThread& operator=(const SensorThread&) = delete;
+
+ private:
+  void run(const std::stop_token& stop);
+  bool accept(SensorFrame& frame);
+  void submit();
+  bool reopen(const std::stop_token& stop, const std::string& why);
+  bool try_open(std::string& why);
+  void pause(const std::stop_token& stop, TimeNs duration);
+
+  SensorThreadOptions options_;
+  std::unique_ptr<Driver> driver_;
+  DriverSetup setup_;
+  FrameExchange& frames_;
+  Counters& counters_;
+  std::function<void()> on_end_;
+
+  TimeNs last_stamp_;
+  std::optional<std::uint64_t> last_seq_;  // nothing after (re)opening: the count starts anew
+  std::uint64_t bad_since_last_ = 0;       // lost frames already counted as bad: not a gap as well
+
+  std::mutex pause_mutex_;
+  std::condition_variable_any pause_;
+  std::jthread thread_;  // last: stops before what it uses goes
+};
+
+}  // namespace povslam

@@ -1,0 +1,48 @@
+// What leaves the daemon and who takes it: LCM, systemd, the log, `replay --realtime`, tests.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "daemon/counters.hpp"
+#include "pipeline/output.hpp"
+
+namespace povslam {
+
+struct TrackedFrame {
+  PoseEstimate pose;
+  MapSize map;
+  TimeNs received = 0;     // monotonic: the driver had the frame whole
+  TimeNs handed_over = 0;  // monotonic: the pose left the tracking thread
+};
+
+struct Percentiles {
+  double p50 = 0.0, p99 = 0.0;
+};
+
+struct Health {
+  TrackState state = TrackState::initialising;  // of the last frame
+  bool tracking_alive = true;
+  int sensors_up = 0, sensors_down = 0;
+  std::int64_t reopened = 0;
+  std::int64_t frames_in = 0, frames_tracked = 0, frames_lost = 0;
+  std::array<std::int64_t, kNumDropReasons> drops{};  // by DropReason
+  double uptime_s = 0.0;
+  double frames_per_s = 0.0;  // this and the next two: of the period since the report before
+  Percentiles latency_ms;     // frame received to pose handed over
+  Percentiles tracking_ms;    // CPU of the tracking thread a frame
+  MapSize map;
+  std::int64_t backend_runs = 0;
+  double backend_last_ms = 0.0;
+  double memory_rss_mb = 0.0;
+};
+
+// Calls come one at a time, never from the tracking thread.
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  virtual void on_frame(const TrackedFrame& /*frame*/) {}
+  virtual void on_health(const Health& /*health*/) {}
+};
+
+}  // namespace povslam

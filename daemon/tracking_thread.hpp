@@ -1,0 +1,56 @@
+// The tracking thread: frame in, pose out. Between taking a frame and handing its pose over it calls the pipeline and
+// nothing else: no log, no LCM, no lock of ours, and once warm no allocation.
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "daemon/counters.hpp"
+#include "daemon/frame_exchange.hpp"
+#include "daemon/sink.hpp"
+#include "pipeline/pipeline.hpp"
+
+namespace povslam {
+
+// Called on the tracking thread around the path that must neither allocate nor lock; for tests that count.
+struct TrackingProbe {
+  void (*frame_taken)() = nullptr;
+  void (*pose_handed_over)() = nullptr;
+};
+
+using PoseRing = SpscRing<TrackedFrame>;
+using ProblemRing = SpscRing<SmoothProblem*>;
+
+class TrackingThread {
+ public:
+  // asked: problems to solve, solved: the answers. The pipeline is this thread's alone until it is destroyed.
+  TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, ProblemRing& asked, ProblemRing& solved,
+                 Counters& counters, TrackingProbe probe);
+  ~TrackingThread();  // closes the exchange, tracks what is inside, joins
+
+  TrackingThread(const TrackingThread&) = delete;
+  TrackingThread& operator=(const TrackingThread&) = delete;
+
+  // Any thread. True when the loop answers: it works on a frame for no longer than `limit`, or it waits and nothing is
+  // there to be taken. A camera that is silent thus does not make tracking look dead.
+  bool alive(TimeNs limit) const;
+
+ private:
+  void run();
+  void localise(const SensorFrame& frame);
+  void ask_backend();
+
+  Pipeline& pipeline_;
+  FrameExchange& frames_;
+  PoseRing& poses_;
+  ProblemRing& asked_;
+  ProblemRing& solved_;
+  Counters& counters_;
+  TrackingProbe probe_;
+  TrackedFrame out_;
+  std::atomic<TimeNs> busy_since_{0};            // monotonic; 0: waiting for a frame
+  mutable std::atomic<TimeNs> waking_since_{0};  // monotonic; since when it has been seen waiting beside a frame
+  std::jthread thread_;
+};
+
+}  // namespace povslam

@@ -1,0 +1,107 @@
+#include "tools/povslam/replay_output.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "daemon/app.hpp"
+#include "pipeline/base/log.hpp"
+#include "tools/povslam/scores/frame_list.hpp"
+#include "tools/povslam/scores/trajectory_report.hpp"
+
+namespace povslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool is_inside(const std::filesystem::path& inner, const std::filesystem::path& outer) {
+  const std::filesystem::path relative = inner.lexically_relative(outer);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+// Nearest-rank percentiles.
+Json stage_json(std::vector<float> ms) {
+  if (ms.empty()) return {{"count", 0}};
+  std::sort(ms.begin(), ms.end());
+  const auto at = [&ms](double share) {
+    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(ms.size())));
+    return ms[std::max<std::size_t>(rank, 1) - 1];
+  };
+  return {{"count", ms.size()}, {"median", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", ms.back()}};
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024e-6;
+}
+
+Json metrics_json(const ReplayRecord& record) {
+  Json json{{"frames", record.frames}, {"tracked", record.tracked}, {"lost", record.lost}};
+  for (std::size_t i = 0; i < kNumDropReasons; ++i) {
+    json["dropped"][to_string(static_cast<DropReason>(i))] = record.drops[i];
+  }
+  for (std::size_t i = 0; i < kStageNames.size(); ++i)
+    json["stages_ms"][kStageNames[i]] = stage_json(record.stages_ms[i]);
+  json["wall_s"] = record.wall_s;
+  json["cpu_s"] = record.cpu_s;
+  json["tracking_cpu_s"] = record.tracking_cpu_s;
+  json["feeder_cpu_s"] = record.feeder_cpu_s;
+  json["peak_rss_mb"] = peak_rss_mb();
+  return json;
+}
+
+Status write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) return Error{file.string() + ": cannot be written; is the disk full?"};
+  return Done{};
+}
+
+// The picture beside the truth. A truth that cannot be compared costs the picture, not the replay.
+Status plot_against_truth(const std::filesystem::path& out, const std::filesystem::path& sequence,
+                          const ReplayRecord& record) {
+  const Result<std::vector<StampedPose>> truth = read_trajectory(sequence / "groundtruth.txt");
+  if (!truth) return truth.error();
+  std::vector<TimeNs> stamps;
+  for (const StampedPose& pose : record.published) stamps.push_back(pose.stamp);
+  Result<TrajectoryReport> report = report_trajectory(*truth, record.published, stamps, {});
+  if (!report) return report.error();
+  report->plot.title = sequence.filename().string();
+  return plot_trajectories((out / "trajectory.png").string(), report->plot);
+}
+
+}  // namespace
+
+Status make_output_folder(const std::filesystem::path& out, const std::filesystem::path& sequence) {
+  std::error_code failed;
+  const auto out_real = std::filesystem::weakly_canonical(std::filesystem::absolute(out), failed);
+  const auto sequence_real = std::filesystem::weakly_canonical(std::filesystem::absolute(sequence), failed);
+  if (is_inside(out_real, sequence_real) || is_inside(sequence_real, out_real)) {
+    return Error{"--out " + out.string() + ": must be neither inside the sequence " + sequence.string() +
+                 " nor around it"};
+  }
+  std::filesystem::create_directories(out, failed);
+  if (failed) return Error{"--out " + out.string() + ": " + failed.message()};
+  return Done{};
+}
+
+Status write_replay(const std::filesystem::path& out, const std::filesystem::path& sequence,
+                    const ReplayRecord& record) {
+  if (const Status done = write_trajectory(out / "trajectory.txt", record.published); !done) return done.error();
+  if (const Status done = write_trajectory(out / "trajectory_smoothed.txt", record.smoothed); !done)
+    return done.error();
+  if (const Status done = write_text(out / "metrics.json", metrics_json(record).dump(2) + "\n"); !done)
+    return done.error();
+  if (record.published.empty() || !std::filesystem::exists(sequence / "groundtruth.txt")) return Done{};
+  if (const Status drawn = plot_against_truth(out, sequence, record); !drawn) {
+    log::warn("trajectory.png: {}", drawn.error().message);
+  }
+  return Done{};
+}
+
+}  // namespace povslam

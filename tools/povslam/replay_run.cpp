@@ -1,0 +1,203 @@
+#include "tools/povslam/replay_run.hpp"
+
+#include <memory>
+#include <utility>
+
+#include "daemon/app.hpp"
+#include "daemon/stop_signal.hpp"
+#include "pipeline/backend/smooth.hpp"
+#include "pipeline/base/log.hpp"
+#include "pipeline/pipeline.hpp"
+#include "tools/povslam/delay_line.hpp"
+#include "tools/povslam/progress.hpp"
+
+namespace povslam {
+namespace {
+
+// A published pose and what its corrected one is made of.
+struct Anchor {
+  std::int64_t keyframe = -1;
+  Rigid3 T_keyframe_camera;
+};
+
+class Recorder {
+ public:
+  void add(const PoseEstimate& pose) {
+    ++record_.frames;
+    const auto stage = [this](Stage s, float ms) { record_.stages_ms[static_cast<std::size_t>(s)].push_back(ms); };
+    stage(Stage::features, pose.times.features_ms);
+    stage(Stage::track, pose.times.track_ms);
+    stage(Stage::keyframe, pose.times.keyframe_ms);
+    stage(Stage::total, pose.times.total_ms);
+    if (pose.state != TrackState::ok && pose.state != TrackState::degraded) {
+      ++record_.lost;
+      return;
+    }
+    ++record_.tracked;
+    record_.published.push_back({pose.stamp, pose.T_world_camera});
+    anchors_.push_back({pose.reference_keyframe, pose.T_reference_camera});
+  }
+
+  void add_smooth(double ms) {
+    record_.stages_ms[static_cast<std::size_t>(Stage::smooth)].push_back(static_cast<float>(ms));
+  }
+
+  // Corrected poses from where the keyframes are now; a frame whose keyframe is unknown keeps its published pose.
+  void correct(const Pipeline& pipeline) {
+    record_.smoothed = record_.published;
+    for (std::size_t i = 0; i < anchors_.size(); ++i) {
+      const std::optional<Rigid3> T_world_keyframe = pipeline.keyframe_pose(anchors_[i].keyframe);
+      if (T_world_keyframe) record_.smoothed[i].T_world_sensor = *T_world_keyframe * anchors_[i].T_keyframe_camera;
+    }
+  }
+
+  ReplayRecord& record() { return record_; }
+
+ private:
+  ReplayRecord record_;
+  std::vector<Anchor> anchors_;
+};
+
+class RecordingSink : public Sink {
+ public:
+  RecordingSink(Recorder& recorder, Progress& progress) : recorder_(recorder), progress_(progress) {}
+  void on_frame(const TrackedFrame& frame) override {
+    recorder_.add(frame.pose);
+    progress_.step();
+  }
+
+ private:
+  Recorder& recorder_;
+  Progress& progress_;
+};
+
+// The journey in one thread: answers of background jobs enter a fixed number of frames after they were asked for.
+class SingleThread {
+ public:
+  SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body)
+      : smooth_options_(settings.config.pipeline.backend.smooth),
+        pipeline_(settings.config.pipeline, calibration, T_world_body),
+        answers_(settings.config.pipeline.backend.delay_frames) {}
+
+  void track(const RgbdFrame& frame, Recorder& recorder) {
+    const TimeNs begun = thread_cpu_now();
+    while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
+    recorder.add(pipeline_.localise(frame));
+    SmoothProblem* problem = pipeline_.take_problem();
+    tracking_cpu_ += thread_cpu_now() - begun;
+    if (problem != nullptr) solve(problem, recorder);
+    ++frame_;
+  }
+
+  const Pipeline& pipeline() const { return pipeline_; }
+  TimeNs tracking_cpu() const { return tracking_cpu_; }
+
+ private:
+  void solve(SmoothProblem* problem, Recorder& recorder) {
+    const TimeNs begun = thread_cpu_now();
+    smooth(*problem, smooth_options_);
+    recorder.add_smooth(to_ms(thread_cpu_now() - begun));
+    answers_.push(frame_, problem);
+  }
+
+  SmoothOptions smooth_options_;
+  Pipeline pipeline_;
+  DelayLine<SmoothProblem*> answers_;
+  std::int64_t frame_ = 0;
+  TimeNs tracking_cpu_ = 0;
+};
+
+struct Clocks {
+  TimeNs wall = monotonic_now(), cpu = process_cpu_now();
+  void stop(ReplayRecord& record) const {
+    record.wall_s = to_seconds(monotonic_now() - wall);
+    record.cpu_s = to_seconds(process_cpu_now() - cpu);
+  }
+};
+
+// Frames of the main camera until the stream ends, fails or a signal comes.
+void feed(Driver& driver, const PinholeCamera& camera, SingleThread& journey, Recorder& recorder, Progress& progress) {
+  ReplayRecord& record = recorder.record();
+  StopSignal stop;
+  SensorFrame frame;
+  TimeNs feeder_cpu = 0;
+  const auto drop = [&record](DropReason reason) { ++record.drops[static_cast<std::size_t>(reason)]; };
+  while (!stop.stopped()) {
+    const TimeNs begun = thread_cpu_now();
+    const Next next = driver.next(frame);
+    feeder_cpu += thread_cpu_now() - begun;
+    if (next.kind == Next::Kind::end) break;
+    if (next.kind == Next::Kind::failed) {
+      record.failure = next.message;
+      break;
+    }
+    if (next.kind == Next::Kind::bad) {
+      log::warn("{}", next.message);
+      drop(DropReason::bad_frame);
+    } else if (frame.kind != SensorKind::rgbd || frame.sensor != 0) {
+      drop(DropReason::unused);
+    } else {
+      EXPECTS(frame.rgbd.color.width() == camera.width && frame.rgbd.color.height() == camera.height);
+      journey.track(frame.rgbd, recorder);
+      progress.step();
+    }
+  }
+  if (stop.stopped()) record.failure = "interrupted";
+  record.feeder_cpu_s = to_seconds(feeder_cpu);
+}
+
+}  // namespace
+
+Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver& driver) {
+  const Clocks clocks;
+  Result<DriverSetup> setup = driver.open();
+  if (!setup) return setup.error();
+  SensorCalibration calibration = setup->sensors[0];
+  calibration.T_body_sensor = mount_of(settings.config.sensors[0], calibration);
+  const Rigid3 T_world_body = settings.T_world_camera_start
+                                  ? *settings.T_world_camera_start * calibration.T_body_sensor.inverse()
+                                  : settings.config.start.rigid();
+  SingleThread journey(settings, calibration, T_world_body);
+  Recorder recorder;
+  {
+    Progress progress("replay", setup->num_frames.value_or(0));
+    feed(driver, calibration.camera, journey, recorder, progress);
+  }
+  driver.close();
+  recorder.correct(journey.pipeline());
+  recorder.record().tracking_cpu_s = to_seconds(journey.tracking_cpu());
+  clocks.stop(recorder.record());
+  return std::move(recorder.record());
+}
+
+Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::unique_ptr<Driver> driver) {
+  const Clocks clocks;
+  StopSignal stop;
+  Recorder recorder;
+  Progress progress("replay in real time", 0);
+  RecordingSink sink(recorder, progress);
+  std::atomic<bool> ended{false};
+  AppOptions options;
+  options.driver = std::move(driver);
+  options.sinks = {&sink};
+  options.T_world_camera_start = settings.T_world_camera_start;
+  options.on_end = [&stop, &ended] {
+    ended = true;
+    stop.request();
+  };
+  auto app = App::start(settings.config, std::move(options));
+  if (!app) return app.error();
+  stop.wait();
+  (*app)->stop();
+  ReplayRecord& record = recorder.record();
+  recorder.correct((*app)->pipeline());
+  const Counters& counters = (*app)->counters();
+  for (std::size_t i = 0; i < kNumDropReasons; ++i) record.drops[i] = counters.drops[i].load();
+  record.tracking_cpu_s = to_seconds(counters.tracking_cpu.load());
+  record.feeder_cpu_s = to_seconds(counters.feeder_cpu.load());
+  if (!ended) record.failure = "interrupted";
+  clocks.stop(record);
+  return std::move(record);
+}
+
+}  // namespace povslam

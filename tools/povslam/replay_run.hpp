@@ -1,0 +1,40 @@
+// Runs the pipeline over a source of frames and keeps what came out: in one thread, or as the daemon does it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config_file.hpp"
+#include "drivers/driver.hpp"
+#include "drivers/replay/trajectory_file.hpp"
+#include "pipeline/output.hpp"
+
+namespace povslam {
+
+struct ReplaySettings {
+  AppConfig config;                            // sensors[0] says the mount; the frames come from the driver given
+  std::optional<Rigid3> T_world_camera_start;  // else config.start
+};
+
+enum class Stage : std::uint8_t { features, track, keyframe, smooth, total };
+inline constexpr std::array<const char*, 5> kStageNames = {"features", "track", "keyframe", "smooth", "total"};
+
+struct ReplayRecord {
+  std::size_t frames = 0, tracked = 0, lost = 0;
+  std::vector<StampedPose> published;           // as published when the frame was tracked
+  std::vector<StampedPose> smoothed;            // the same frames after all later corrections
+  std::array<std::vector<float>, 5> stages_ms;  // by Stage; CPU of the working thread
+  std::array<std::int64_t, 6> drops{};          // by DropReason
+  double wall_s = 0.0, cpu_s = 0.0, tracking_cpu_s = 0.0, feeder_cpu_s = 0.0;
+  std::string failure;  // why it ended early; empty: it did not
+};
+
+// One thread; no frame is dropped and nothing depends on time. Stops early on SIGINT or SIGTERM.
+Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver& driver);
+
+// The daemon's own App, fed by a driver that paces itself; frames that come too fast are dropped and counted.
+Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::unique_ptr<Driver> driver);
+
+}  // namespace povslam
