@@ -19,8 +19,8 @@ SOURCE_SUFFIXES = (".cpp", ".hpp", ".h", ".c")
 # Programs and benchmarks are no rooms: the first matching folder says what they may include.
 PROGRAMS = {
     "tools/povslam": ["base", "geometry", "frames", "pipeline", "drivers", "tools/povslam/*", "pipeline/backend/smooth.hpp",
-                      "daemon/app.hpp", "daemon/config_*.hpp", "daemon/store.hpp", "daemon/stop_signal.hpp",
-                      "daemon/messages/*.hpp"],
+                      "daemon/app.hpp", "daemon/config_*.hpp", "daemon/store.hpp", "daemon/messages/*",
+                      "daemon/stop_signal.hpp"],
     "tools": ["*"],
 }
 

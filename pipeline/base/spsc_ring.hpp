@@ -29,7 +29,7 @@ class SpscRing {
   // Producer thread. False when full or closed; the value is then left untouched.
   bool try_push(T&& value) {
     if (closed_.load(std::memory_order_acquire)) return false;
-    if (queue_.write_available() == 0) return false;  // room for a number means its slot is empty again
+    if (queue_.write_available() == 0) return false;  // room for a number means its slot was moved from
     slots_[next_].emplace(std::move(value));
     queue_.push(next_);
     next_ = next_ + 1 == slots_.size() ? 0 : next_ + 1;
@@ -42,7 +42,6 @@ class SpscRing {
     std::optional<T> value;
     queue_.consume_one([&](std::size_t slot) {  // the slot is the producer's again only after this returns
       value.emplace(std::move(*slots_[slot]));
-      slots_[slot].reset();
     });
     return value;
   }

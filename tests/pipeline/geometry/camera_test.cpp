@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <array>
 #include <limits>
+#include <ostream>
 
 #include "tests/support/random_geometry.hpp"
 
@@ -18,8 +20,14 @@ const PinholeCamera kBarrel{640, 480, 400.0, 400.0, 319.5, 239.5, {-0.3, 0.08, 0
 
 }  // namespace
 
+void PrintTo(const PinholeCamera& camera, std::ostream* out) {
+  *out << camera.width << " x " << camera.height << ", fx " << camera.fx;
+}
+
 class EveryCamera : public ::testing::TestWithParam<PinholeCamera> {};
-INSTANTIATE_TEST_SUITE_P(Presets, EveryCamera, ::testing::Values(kTum1, kTum2, kTum3, kBarrel));
+INSTANTIATE_TEST_SUITE_P(Presets, EveryCamera, ::testing::Values(kTum1, kTum2, kTum3, kBarrel), [](const auto& camera) {
+  return std::array{"Tum1", "Tum2", "Tum3", "Barrel"}[camera.index];
+});
 
 TEST_P(EveryCamera, ProjectsWhatItUnprojectedAtEveryPixelOfTheImageAndItsBorder) {
   const PinholeCamera& camera = GetParam();
