@@ -1,0 +1,137 @@
+#include "daemon/publisher.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bot_core/pose_t.hpp>
+#include <lcm/lcm-cpp.hpp>
+#include <povslam/health_t.hpp>
+#include <povslam/pose_t.hpp>
+
+#include "daemon/messages/channels.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace povslam {
+namespace {
+
+template <class Message>
+std::vector<Message> read_channel(const std::string& file, const std::string& channel) {
+  lcm::LogFile log(file, "r");
+  std::vector<Message> messages;
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    if (event->channel != channel) continue;
+    Message message;
+    EXPECT_GT(message.decode(event->data, 0, event->datalen), 0);
+    EXPECT_LT(event->datalen, 1400) << "must fit one datagram";
+    messages.push_back(message);
+  }
+  return messages;
+}
+
+TrackedFrame frame_at(double time_s, const Rigid3& T_odom_body, TrackState state = TrackState::ok) {
+  TrackedFrame frame;
+  frame.pose.stamp = from_seconds(time_s);
+  frame.pose.seq = static_cast<std::uint64_t>(time_s * 10.0);
+  frame.pose.state = state;
+  frame.pose.T_odom_body = T_odom_body;
+  frame.pose.T_world_body = {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {7.0, 8.0, 9.0}};
+  for (int i = 0; i < 36; ++i) frame.pose.covariance(i / 6, i % 6) = i;
+  frame.pose.num_landmarks = 321;
+  frame.received = 1000 * kNsPerMs;
+  frame.handed_over = 1012 * kNsPerMs;
+  return frame;
+}
+
+class PublisherTest : public testing::Test {
+ protected:
+  std::unique_ptr<Publisher> open() {
+    auto publisher = Publisher::open({"file://" + file_ + "?mode=w", "r2"});
+    EXPECT_TRUE(publisher);
+    return std::move(*publisher);
+  }
+  TempFolder folder_;
+  std::string file_ = (folder_.path() / "out.lcm").string();
+};
+
+TEST_F(PublisherTest, SendsThePoseAsItWasTracked) {
+  open()->on_frame(frame_at(12.5, Rigid3{Eigen::Quaterniond::Identity(), {1.0, 2.0, 3.0}}));
+  const auto messages = read_channel<pose_t>(file_, kPoseChannel);
+  ASSERT_EQ(messages.size(), 1u);
+  const pose_t& m = messages[0];
+  EXPECT_EQ(m.utime, 12500000);
+  EXPECT_EQ(m.seq, 125);
+  EXPECT_EQ(m.robot_id, "r2");
+  EXPECT_EQ(m.state, pose_t::OK);
+  EXPECT_THAT(m.world_body_position, testing::ElementsAre(7.0, 8.0, 9.0));
+  EXPECT_THAT(m.world_body_quaternion, testing::ElementsAre(0.5, 0.5, -0.5, 0.5));  // w first
+  EXPECT_THAT(m.odom_body_position, testing::ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_EQ(m.cov[1], 1.0);  // row-major
+  EXPECT_EQ(m.cov[35], 35.0);
+  EXPECT_EQ(m.landmarks, 321);
+  EXPECT_NEAR(m.latency_s, 0.012, 1e-12);
+}
+
+TEST_F(PublisherTest, SpeaksBotCoreWithVelocitiesFromSuccessivePoses) {
+  auto publisher = open();
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
+  publisher->on_frame(frame_at(1.0, Rigid3{turned, {0.0, 0.0, 0.0}}));
+  const Eigen::Quaterniond more = turned * Eigen::Quaterniond(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitX()));
+  publisher->on_frame(frame_at(1.1, Rigid3{more, {0.1, -0.2, 0.0}}));
+  publisher.reset();
+  const auto messages = read_channel<bot_core::pose_t>(file_, kBotCorePoseChannel);
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_THAT(messages[0].vel, testing::ElementsAre(0.0, 0.0, 0.0));
+  EXPECT_NEAR(messages[1].vel[0], 1.0, 1e-9);  // along odom's axes
+  EXPECT_NEAR(messages[1].vel[1], -2.0, 1e-9);
+  EXPECT_NEAR(messages[1].rotation_rate[0], 0.5, 1e-9);  // about the body's axes
+  EXPECT_NEAR(messages[1].rotation_rate[2], 0.0, 1e-9);
+  EXPECT_NEAR(messages[1].orientation[0], more.w(), 1e-12);
+}
+
+TEST_F(PublisherTest, KeepsBotCoresFingerprint) {
+  std::array<std::uint8_t, 256> bytes{};
+  const bot_core::pose_t message{};
+  ASSERT_EQ(message.encode(bytes.data(), 0, static_cast<int>(bytes.size())), 8 + 8 + 16 * 8);
+  std::uint64_t fingerprint = 0;
+  for (int i = 0; i < 8; ++i) fingerprint = fingerprint << 8U | bytes[static_cast<std::size_t>(i)];
+  EXPECT_EQ(fingerprint, 0x170b77d82958082fULL << 1U);
+}
+
+TEST_F(PublisherTest, IsSilentOnPoseWhileLostButNotOnItsOwnChannel) {
+  open()->on_frame(frame_at(1.0, Rigid3{}, TrackState::lost));
+  EXPECT_TRUE(read_channel<bot_core::pose_t>(file_, kBotCorePoseChannel).empty());
+  ASSERT_EQ(read_channel<pose_t>(file_, kPoseChannel).size(), 1u);
+  EXPECT_EQ(read_channel<pose_t>(file_, kPoseChannel)[0].state, pose_t::LOST);
+}
+
+TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
+  Health health;
+  health.frames_in = 10;
+  health.drops[static_cast<std::size_t>(DropReason::gap)] = 3;
+  health.latency_ms.p99 = 17.0;
+  auto publisher = open();
+  publisher->on_health(health);
+  publisher->on_health(health);
+  publisher.reset();
+  const auto messages = read_channel<health_t>(file_, kHealthChannel);
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_EQ(messages[1].seq, 1);
+  EXPECT_EQ(messages[1].session_id, messages[0].session_id);
+  ASSERT_EQ(messages[0].num_drops, static_cast<int>(kNumDropReasons));
+  EXPECT_EQ(messages[0].drops[static_cast<std::size_t>(DropReason::gap)].reason, "gap");
+  EXPECT_EQ(messages[0].drops[static_cast<std::size_t>(DropReason::gap)].count, 3);
+  EXPECT_EQ(messages[0].latency_p99_ms, 17.0);
+  EXPECT_EQ(messages[0].version, POVSLAM_VERSION);
+}
+
+TEST(Publisher, SaysWhatToDoWhenTheUrlCannotBeUsed) {
+  const auto nonsense = Publisher::open({"nosuch://", "r"});
+  ASSERT_FALSE(nonsense);
+  EXPECT_THAT(nonsense.error().message, testing::HasSubstr("nosuch://"));
+  const auto unroutable = Publisher::open({"udpm://not-an-address:1?ttl=0", "r"});
+  ASSERT_FALSE(unroutable);
+  EXPECT_THAT(unroutable.error().message, testing::HasSubstr("ip route add 224.0.0.0/4 dev lo"));
+}
+
+}  // namespace
+}  // namespace povslam

@@ -1,0 +1,130 @@
+#include "tools/povslam/listen.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <CLI/CLI.hpp>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "daemon/messages/channels.hpp"
+#include "pipeline/frames/calibration.hpp"
+#include "tests/support/temp_folder.hpp"
+#include "tools/povslam/message_text.hpp"
+#include "tools/povslam/subcommands.hpp"
+
+namespace povslam {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+pose_t pose_at(double time_s, std::int8_t state = pose_t::OK) {
+  pose_t message{};
+  message.utime = static_cast<std::int64_t>(time_s * 1e6);
+  message.seq = message.utime / 1000;
+  message.robot_id = "r2";
+  message.state = state;
+  message.world_body_position[0] = time_s;
+  message.world_body_quaternion[0] = 1.0;
+  message.latency_s = 0.010;
+  message.sent_utime = wall_now() / kNsPerUs;
+  return message;
+}
+
+// A file as lcm-logger records it, played back at once.
+class Listen : public testing::Test {
+ protected:
+  void record(const std::vector<pose_t>& poses, const std::vector<health_t>& reports = {}) {
+    lcm::LCM lcm("file://" + log_ + "?mode=w");
+    for (const pose_t& pose : poses) lcm.publish(kPoseChannel, &pose);
+    for (const health_t& health : reports) lcm.publish(kHealthChannel, &health);
+  }
+  std::string listen(std::vector<std::string> more) {
+    CLI::App app;
+    exit_code_ = -1;
+    add_listen(app, exit_code_);
+    more.insert(more.begin(), {"listen", "--lcm-url", "file://" + log_ + "?speed=0"});
+    std::reverse(more.begin(), more.end());
+    testing::internal::CaptureStdout();
+    app.parse(more);
+    return testing::internal::GetCapturedStdout();
+  }
+  static std::size_t lines_with(const std::string& text, const std::string& word) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+    return count;
+  }
+  TempFolder folder_;
+  std::string log_ = (folder_.path() / "in.lcm").string();
+  std::string trajectory_ = (folder_.path() / "trajectory.txt").string();
+  int exit_code_ = -1;
+};
+
+TEST_F(Listen, ShowsPosesAtItsRateAndChangesOfStateAtOnce) {
+  std::vector<pose_t> poses;
+  for (int i = 0; i < 50; ++i) poses.push_back(pose_at(0.01 * i));
+  for (int i = 50; i < 60; ++i) poses.push_back(pose_at(0.01 * i, pose_t::LOST));
+  record(poses);
+  const std::string shown = listen({"--rate", "0"});
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_EQ(lines_with(shown, " r2 OK"), 1u);
+  EXPECT_EQ(lines_with(shown, " r2 LOST"), 1u);
+  EXPECT_THAT(shown, AllOf(HasSubstr("60 poses"), HasSubstr("p50 10.0 p99 10.0 ms from frame to hand-over")));
+}
+
+TEST_F(Listen, StopsAfterTheCountAndShowsOnlyItsChannel) {
+  health_t health{};
+  health.robot_id = "r2";
+  record({pose_at(1.0), pose_at(2.0), pose_at(3.0)}, {health});
+  EXPECT_THAT(listen({"--count", "2"}), HasSubstr("2 poses"));
+  const std::string shown = listen({"--channel", kHealthChannel});
+  EXPECT_THAT(shown, AllOf(HasSubstr("health: r2"), Not(HasSubstr(" r2 OK"))));
+}
+
+TEST_F(Listen, WritesTrackedPosesOfTheBodyOrItsCamera) {
+  record({pose_at(1.0), pose_at(2.0, pose_t::LOST), pose_at(3.0, pose_t::DEGRADED)});
+  listen({"--out", trajectory_});
+  EXPECT_EQ(exit_code_, 0);
+  auto body = read_trajectory(trajectory_);
+  ASSERT_TRUE(body);
+  ASSERT_EQ(body->size(), 2u);
+  EXPECT_EQ((*body)[1].stamp, 3 * kNsPerSecond);
+  EXPECT_NEAR((*body)[1].T_world_sensor.translation.x(), 3.0, 1e-9);
+  listen({"--out", trajectory_, "--camera", "forward"});
+  auto camera = read_trajectory(trajectory_);
+  ASSERT_TRUE(camera);
+  EXPECT_LT(rotation_angle_rad((*camera)[0].T_world_sensor.inverse() * level_forward_camera()), 1e-6);
+}
+
+TEST_F(Listen, RefusesToMixTwoDaemonsInOneFile) {
+  record({pose_at(5.0), pose_at(1.0)});
+  testing::internal::CaptureStderr();
+  listen({"--out", trajectory_});
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("went back"));
+}
+
+TEST_F(Listen, RefusesACameraThatIsNoPose) {
+  record({});
+  testing::internal::CaptureStderr();
+  listen({"--camera", "sideways"});
+  EXPECT_EQ(exit_code_, 2);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("--camera"));
+}
+
+TEST(MessageText, NamesEveryStateAndEveryDrop) {
+  EXPECT_STREQ(state_name(pose_t::INITIALISING), "INITIALISING");
+  EXPECT_STREQ(state_name(42), "?");
+  health_t health{};
+  health.tracking_alive = 0;
+  drop_t drop;
+  drop.reason = "gap";
+  drop.count = 7;
+  health.drops = {drop};
+  health.num_drops = 1;
+  EXPECT_THAT(health_line(health), AllOf(HasSubstr("dropped 7 gap"), HasSubstr("tracking hangs")));
+}
+
+}  // namespace
+}  // namespace povslam

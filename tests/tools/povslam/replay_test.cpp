@@ -1,0 +1,141 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "drivers/replay/trajectory_file.hpp"
+#include "tests/support/temp_folder.hpp"
+#include "tools/povslam/replay_output.hpp"
+#include "tools/povslam/subcommands.hpp"
+
+namespace povslam {
+namespace {
+
+const std::filesystem::path kSequence = POVSLAM_TEST_DATA "/tum_fr1_rpy";
+
+std::string content(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output, errors;
+};
+
+Outcome run(std::vector<std::string> arguments) {
+  CLI::App app;
+  Outcome outcome;
+  add_replay(app, outcome.exit_code);
+  arguments.insert(arguments.begin(), "replay");
+  std::reverse(arguments.begin(), arguments.end());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  try {
+    app.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    outcome.errors = error.what();
+  }
+  outcome.output = testing::internal::GetCapturedStdout();
+  outcome.errors += testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+class Replay : public testing::Test {
+ protected:
+  std::filesystem::path out(const std::string& name) { return folder_.path() / name; }
+  Outcome replay(const std::string& name, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {kSequence.string(), "--camera", "tum1", "--out", out(name).string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+  TempFolder folder_;
+};
+
+TEST_F(Replay, GivesTheSameBytesTwice) {
+  ASSERT_EQ(replay("a").exit_code, 0);
+  ASSERT_EQ(replay("b").exit_code, 0);
+  int compared = 0;
+  for (const auto& file : std::filesystem::directory_iterator(out("a"))) {
+    const std::string name = file.path().filename().string();
+    if (name == "metrics.json") continue;
+    EXPECT_EQ(content(out("a") / name), content(out("b") / name)) << name;
+    ++compared;
+  }
+  EXPECT_GE(compared, 3);  // both trajectories and the picture
+}
+
+TEST_F(Replay, WritesEveryTrackedFrameAndItsFigures) {
+  const Outcome outcome = replay("a");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto metrics = nlohmann::json::parse(content(out("a") / "metrics.json"));
+  const auto published = read_trajectory(out("a") / "trajectory.txt");
+  const auto smoothed = read_trajectory(out("a") / "trajectory_smoothed.txt");
+  ASSERT_TRUE(published && smoothed);
+  EXPECT_EQ(metrics["frames"], metrics["tracked"].get<int>() + metrics["lost"].get<int>());
+  EXPECT_EQ(published->size(), metrics["tracked"].get<std::size_t>());
+  EXPECT_EQ(smoothed->size(), published->size());
+  EXPECT_EQ(metrics["stages_ms"]["total"]["count"], metrics["frames"]);
+  EXPECT_GE(metrics["stages_ms"]["total"]["max"], metrics["stages_ms"]["total"]["median"]);
+  EXPECT_GT(metrics["peak_rss_mb"], 1.0);
+  EXPECT_THAT(outcome.output, testing::HasSubstr(std::to_string(published->size()) + " tracked"));
+  EXPECT_TRUE(std::filesystem::exists(out("a") / "trajectory.png"));
+}
+
+TEST_F(Replay, StartsLevelAtTheOriginOrWhereItIsTold) {
+  ASSERT_EQ(replay("a", {"--frames", "0:2"}).exit_code, 0);
+  const auto level = read_trajectory(out("a") / "trajectory.txt");
+  ASSERT_TRUE(level);
+  EXPECT_EQ(level->size(), 2u);
+  EXPECT_LT(level->front().T_world_sensor.translation.norm(), 1e-9);
+  EXPECT_LT((level->front().T_world_sensor.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitX()).norm(),
+            1e-6);
+  ASSERT_EQ(replay("b", {"--frames", "0:2", "--start", "1 2 3 0 0 0 1"}).exit_code, 0);
+  const auto told = read_trajectory(out("b") / "trajectory.txt");
+  ASSERT_TRUE(told);
+  EXPECT_LT((told->front().T_world_sensor.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-6);
+  EXPECT_LT(told->front().T_world_sensor.rotation.vec().norm(), 1e-6);
+}
+
+TEST_F(Replay, InRealTimeRunsTheDaemonsThreadsOverTheSameFrames) {
+  const Outcome outcome = replay("a", {"--realtime"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto metrics = nlohmann::json::parse(content(out("a") / "metrics.json"));
+  const auto published = read_trajectory(out("a") / "trajectory.txt");
+  ASSERT_TRUE(published);
+  EXPECT_EQ(published->size(), metrics["tracked"].get<std::size_t>());
+  int dropped = 0;
+  for (const auto& count : metrics["dropped"]) dropped += count.get<int>();
+  const auto reference = replay("b");
+  const auto whole = nlohmann::json::parse(content(out("b") / "metrics.json"));
+  EXPECT_EQ(metrics["frames"].get<int>() + dropped, whole["frames"].get<int>());
+}
+
+TEST_F(Replay, NeverWritesIntoOrAroundASequence) {
+  for (const std::filesystem::path& place : {kSequence, kSequence / "results", kSequence.parent_path()}) {
+    const Outcome outcome = run({kSequence.string(), "--camera", "tum1", "--out", place.string()});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.errors, testing::HasSubstr("--out"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(kSequence / "results"));
+  EXPECT_TRUE(make_output_folder(out("beside"), kSequence));
+}
+
+TEST_F(Replay, TellsBadUsageFromFailure) {
+  EXPECT_EQ(replay("a", {"--set", "orb.num_levels=99"}).exit_code, 2);
+  EXPECT_EQ(replay("a", {"--start", "here"}).exit_code, 2);
+  EXPECT_EQ(replay("a", {"--frames", "x"}).exit_code, 2);
+  EXPECT_THAT(replay("a", {"--mode", "pov"}).errors, testing::HasSubstr("--mode"));
+  const Outcome missing = run({out("nothing").string(), "--out", out("a").string()});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.errors, testing::HasSubstr("nothing"));
+}
+
+}  // namespace
+}  // namespace povslam
