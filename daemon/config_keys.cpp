@@ -58,6 +58,8 @@ std::vector<Key<AppConfig>> frontend_table() {
 
       key("noise.pixel_sigma_px", AT(pipeline.frontend.noise.pixel_sigma_px), 0.05, 20.0,
           "Feature position, one standard deviation on level 0"),
+      key("noise.patch_sigma_px", AT(pipeline.frontend.noise.patch_sigma_px), 0.05, 20.0,
+          "The same of a position found by fitting the landmark's patch"),
       key("noise.depth_sigma_quadratic_per_m", AT(pipeline.frontend.noise.depth_sigma_quadratic_per_m), 0.0, 0.1,
           "Depth: sigma_z = this * z^2 [1/m]"),
       key("noise.depth_sigma_floor_m", AT(pipeline.frontend.noise.depth_sigma_floor_m), 1e-5, 1.0,
@@ -132,8 +134,8 @@ std::vector<Key<SensorConfig>> sensor_table() {
 #undef AT
 
 // An option added to these structs changes their size: give it a key above, then the new size here.
-static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 40 && sizeof(TrackOptions) == 24 &&
-              sizeof(MapOptions) == 32 && sizeof(SmoothOptions) == 40 && sizeof(PipelineOptions) == 176);
+static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
+              sizeof(MapOptions) == 32 && sizeof(SmoothOptions) == 40 && sizeof(PipelineOptions) == 184);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

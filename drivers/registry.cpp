@@ -8,8 +8,8 @@ namespace povslam {
 namespace {
 
 struct Row {
-  const char *name;
-  Result<std::unique_ptr<Driver>> (*make)(const DriverOptions &options);
+  const char* name;
+  Result<std::unique_ptr<Driver>> (*make)(const DriverOptions& options);
 };
 
 constexpr Row kTable[] = {
@@ -17,14 +17,12 @@ constexpr Row kTable[] = {
     {"synthetic", make_synthetic_driver},
 };
 
-} // namespace
+}  // namespace
 
-Result<std::unique_ptr<Driver>> make_driver(const std::string &name,
-                                            const DriverOptions &options) {
+Result<std::unique_ptr<Driver>> make_driver(const std::string& name, const DriverOptions& options) {
   std::string known;
-  for (const Row &row : kTable) {
-    if (name == row.name)
-      return row.make(options);
+  for (const Row& row : kTable) {
+    if (name == row.name) return row.make(options);
     known += std::string(known.empty() ? "" : ", ") + row.name;
   }
   return Error{"driver '" + name + "' is unknown; known are " + known};
@@ -32,9 +30,8 @@ Result<std::unique_ptr<Driver>> make_driver(const std::string &name,
 
 std::vector<std::string> driver_names() {
   std::vector<std::string> names;
-  for (const Row &row : kTable)
-    names.emplace_back(row.name);
+  for (const Row& row : kTable) names.emplace_back(row.name);
   return names;
 }
 
-} // namespace povslam
+}  // namespace povslam

@@ -134,17 +134,18 @@ CameraFile camera(const YAML::Node& root) {
                {"cy", cy.has_value()},
                {"depth_scale", depth_scale}});
   c.cx = *cx, c.cy = *cy;
-  if (d.width > 0 || d.height > 0 || d.fx > 0.0 || d.fy > 0.0 || depth_cx || depth_cy || T_color_depth) {
-    require_all({{"depth_fx", d.fx > 0.0},
-                 {"depth_fy", d.fy > 0.0},
-                 {"depth_cx", depth_cx.has_value()},
-                 {"depth_cy", depth_cy.has_value()},
-                 {"T_color_depth", T_color_depth}});
-    if (d.width == 0) d.width = c.width;
-    if (d.height == 0) d.height = c.height;
-    d.cx = *depth_cx, d.cy = *depth_cy;
-    file.depth = depth;
-  }
+  const bool own_depth_camera =
+      d.width > 0 || d.height > 0 || d.fx > 0.0 || d.fy > 0.0 || depth_cx || depth_cy || T_color_depth;
+  if (!own_depth_camera) return file;
+  require_all({{"depth_fx", d.fx > 0.0},
+               {"depth_fy", d.fy > 0.0},
+               {"depth_cx", depth_cx.has_value()},
+               {"depth_cy", depth_cy.has_value()},
+               {"T_color_depth", T_color_depth}});
+  if (d.width == 0) d.width = c.width;
+  if (d.height == 0) d.height = c.height;
+  d.cx = *depth_cx, d.cy = *depth_cy;
+  file.depth = depth;
   return file;
 }
 

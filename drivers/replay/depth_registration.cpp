@@ -43,24 +43,26 @@ void DepthRegistration::warp(const ImageU16& depth, ImageU16& registered) const 
     if (!(p_color.z() >= 1.0F && p_color.z() < 65535.0F)) continue;
     Eigen::Vector2f plane = p_color.head<2>() / p_color.z();
     if (distorted) plane = color_.distort(plane.cast<double>()).cast<float>();
-    const float u = static_cast<float>(color_.fx) * plane.x() + static_cast<float>(color_.cx);
-    const float v = static_cast<float>(color_.fy) * plane.y() + static_cast<float>(color_.cy);
-    const float scale = z_depth / p_color.z();
-    const float half_u = half_x_ * scale, half_v = half_y_ * scale;
-    if (!(u + half_u >= 0.0F && v + half_v >= 0.0F && u - half_u < static_cast<float>(color_.width) &&
-          v - half_v < static_cast<float>(color_.height))) {
-      continue;
-    }
-    const int left = std::max(0, static_cast<int>(std::ceil(u - half_u)));
-    const int right = std::min(color_.width - 1, static_cast<int>(std::floor(u + half_u)));
-    const int top = std::max(0, static_cast<int>(std::ceil(v - half_v)));
-    const int bottom = std::min(color_.height - 1, static_cast<int>(std::floor(v + half_v)));
-    const auto z = static_cast<std::uint16_t>(p_color.z() + 0.5F);
-    for (int y = top; y <= bottom; ++y) {
-      std::uint16_t* row = registered.row(y);
-      for (int x = left; x <= right; ++x) {
-        if (row[x] == 0 || z < row[x]) row[x] = z;
-      }
+    cover(plane, p_color.z(), z_depth / p_color.z(), registered);
+  }
+}
+
+void DepthRegistration::cover(const Eigen::Vector2f& plane, float z_color, float scale, ImageU16& registered) const {
+  const float u = static_cast<float>(color_.fx) * plane.x() + static_cast<float>(color_.cx);
+  const float v = static_cast<float>(color_.fy) * plane.y() + static_cast<float>(color_.cy);
+  const float half_u = half_x_ * scale, half_v = half_y_ * scale;
+  const auto width = static_cast<float>(color_.width), height = static_cast<float>(color_.height);
+  const bool inside = u + half_u >= 0.0F && v + half_v >= 0.0F && u - half_u < width && v - half_v < height;
+  if (!inside) return;
+  const int left = static_cast<int>(std::ceil(std::max(0.0F, u - half_u)));
+  const int right = static_cast<int>(std::min(width - 1.0F, u + half_u));
+  const int top = static_cast<int>(std::ceil(std::max(0.0F, v - half_v)));
+  const int bottom = static_cast<int>(std::min(height - 1.0F, v + half_v));
+  const auto z = static_cast<std::uint16_t>(z_color + 0.5F);
+  for (int y = top; y <= bottom; ++y) {
+    std::uint16_t* row = registered.row(y);
+    for (int x = left; x <= right; ++x) {
+      if (row[x] == 0 || z < row[x]) row[x] = z;
     }
   }
 }

@@ -20,6 +20,10 @@ class DepthRegistration {
   void warp(const ImageU16& depth, ImageU16& registered) const;
 
  private:
+  // Writes depth z_color to the pixels under one depth pixel; plane: where it is seen, after the lens, on z = 1;
+  // scale: its footprint against that at equal distance.
+  void cover(const Eigen::Vector2f& plane, float z_color, float scale, ImageU16& registered) const;
+
   PinholeCamera color_;
   int width_ = 0, height_ = 0;               // of the depth image, px
   std::vector<Eigen::Vector3f> rays_color_;  // per depth pixel: what one unit of depth moves it in the colour frame

@@ -18,7 +18,7 @@ struct ImageSize {
   int width = 0, height = 0;  // px
 };
 
-// Keeps the file's bytes between images: a warm reader allocates nothing of its own.
+// Keeps the file's bytes between images.
 class ImageReader {
  public:
   // 8-bit grey (1 channel) or colour (3 channels R, G, B; palettes expanded, transparency dropped, 16 bits cut to 8).

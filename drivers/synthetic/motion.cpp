@@ -15,8 +15,13 @@ namespace {
 constexpr double kStep_m = 0.01;
 constexpr double kSpeedUp_s = 1.5;  // the robot starts from rest
 
+// Curvature rises over the first quarter of a corner, stays, and falls over the last: smoothstep ramps.
 double corner_yaw(double s_m, double length_m) {
-  return kPi / (2.0 * length_m) * (s_m - length_m / (2.0 * kPi) * sin_cos(2.0 * kPi * s_m / length_m).sin);
+  constexpr double kRamp = 0.25;
+  const double u = s_m / length_m, from_end = std::min(u, 1.0 - u), x = std::min(1.0, from_end / kRamp);
+  const double turned = kRamp * x * x * x * (1.0 - 0.5 * x) + std::max(0.0, from_end - kRamp);
+  const double share = turned / (1.0 - kRamp);
+  return 0.5 * kPi * (u <= 0.5 ? share : 1.0 - share);
 }
 
 Eigen::Quaterniond turn(const Eigen::Vector3d& axis, double angle_rad) {

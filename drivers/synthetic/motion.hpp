@@ -9,8 +9,8 @@
 
 namespace povslam::synthetic {
 
-// Closed path, counter-clockwise about the origin. Its curvature is continuous: each corner turns by
-// kappa(s) = pi / (2 L) (1 - cos(2 pi s / L)), so the yaw rate never jumps.
+// Closed path, counter-clockwise about the origin: a rectangle whose corners turn with a curvature that rises and
+// falls smoothly, so that the yaw rate never jumps.
 class LapPath {
  public:
   struct Pose2 {

@@ -75,8 +75,7 @@ Placement Object::at(double time_s) const {
 LapPath scene_path(const std::string& scene, std::uint64_t seed) {
   Random random(mix(seed, 303));
   if (scene == "aisle") return {5.6, 2.0, 3.0};
-  const double stretch = random.uniform(-0.15, 0.15);
-  return {3.1 + stretch, 3.1 - stretch, 3.9};
+  return {random.uniform(3.55, 3.75), random.uniform(2.1, 2.2), 3.15};
 }
 
 Result<Scene> build_scene(const SyntheticOptions& options, const RobotMotion& motion) {

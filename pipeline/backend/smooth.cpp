@@ -12,7 +12,7 @@ namespace povslam {
 
 namespace {
 
-constexpr int kMaxDensePoses = 100;       // free; above, a sparse reduced camera matrix is worth its bookkeeping
+constexpr int kMaxDensePoses = 200;       // free; above, a sparse reduced camera matrix is worth its bookkeeping
 constexpr double kRoughTolerance = 1e-3;  // relative change of the cost that ends the first round
 constexpr double kFineTolerance = 1e-4;   // and the second
 constexpr double kMinShareFitting = 0.5;  // of the observations, for the answer to be believed

@@ -16,8 +16,11 @@ struct SmoothOptions {
 };
 
 // Solves in place: non-fixed poses and all points move, observations are marked, the answer fields filled.
-// A problem without a fixed pose, with nothing to move or numerically degenerate comes back unchanged, converged =
-// false.
+// Stays as it was: a free pose whose observations leave a direction undetermined, a point with fewer residuals than
+// unknowns, and a point whose answer is behind its cameras, ran away or has no observation left that fits.
+// converged = true: the answer may be used (the cost stopped falling, or the iterations ran out with a lower one).
+// A problem with numbers that are none, without a fixed pose, with nothing to move, numerically degenerate or of which
+// less than half fits afterwards comes back unchanged, converged = false.
 void smooth(SmoothProblem& problem, const SmoothOptions& options);
 
 }  // namespace povslam

@@ -48,6 +48,7 @@ class FrameBuilder {
   void build(const RgbdFrame& input, Frame& frame);
   float level_scale(int level) const { return scales_[static_cast<std::size_t>(level)]; }
   const std::vector<float>& level_scales() const { return scales_; }
+  const OrbExtractor& images() const { return extractor_; }
   const PyramidLevel& level(int index) const { return extractor_.level(index); }  // of the last frame built
   // Puts a feature where it was found to lie: raw level-0 px, with its standard deviation.
   void place(Frame& frame, int feature, float x_raw, float y_raw, float sigma_px) const;

@@ -6,6 +6,7 @@ namespace povslam {
 
 namespace {
 constexpr double kOverlap = 0.75;          // of the landmarks seen right after the last keyframe
+constexpr double kKnownShare = 0.4;        // of the features with depth: fewer known ones, and the map lacks this view
 constexpr double kMinMoveM = 0.05;         // a camera that stands still makes no keyframes
 constexpr double kMinTurnRad = 0.05;
 constexpr std::int64_t kProbationKeyframes = 3;
@@ -26,7 +27,12 @@ bool Keyframer::wanted(const Frame& frame, const Map& map, std::int32_t newest, 
   const Rigid3 moved = frame.T_camera_world * last.T_world_camera;
   const bool still = moved.translation.norm() < kMinMoveM && rotation_angle_rad(moved) < kMinTurnRad;
   if (weak) return age >= 1 && !still;
-  if (still || age < options_.keyframe_min_frames) return false;
+  if (age < options_.keyframe_min_frames) return false;
+  int with_depth = 0;
+  for (int i = 0; i < frame.size(); ++i) with_depth += frame.has_depth(i) ? 1 : 0;
+  const bool moved_at_all = moved.translation.norm() > 0.2 * kMinMoveM || rotation_angle_rad(moved) > 0.2 * kMinTurnRad;
+  if (moved_at_all && num_inliers < kKnownShare * with_depth) return true;
+  if (still) return false;
   return age >= options_.keyframe_max_frames || num_inliers < kOverlap * most_inliers_;
 }
 

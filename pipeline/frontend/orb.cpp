@@ -33,14 +33,14 @@ OrbFeatures::OrbFeatures(int capacity_)
       descriptor(capacity_) {}
 
 struct OrbExtractor::Impl {
-  Impl(int width, int height, const OrbOptions& options);
+  Impl(int width, int height, const OrbOptions& options, const FrontendKernels& kernels);
   void extract_level(int index, int wanted, OrbFeatures& features);
   int refine(const PyramidLevel& level, int count);
   void smooth(const PyramidLevel& level);
   void add(const FastCorner& corner, int index, OrbFeatures& features) const;
 
   OrbOptions options;
-  const FrontendKernels& kernels = frontend_kernels();
+  const FrontendKernels& kernels;
   OrbPyramid pyramid;
   BriefPattern pattern;
   PatchMask patch = round_patch();
@@ -51,8 +51,9 @@ struct OrbExtractor::Impl {
   std::vector<std::uint8_t> occupied;  // pixels that hold a refined corner; all 0 between calls
 };
 
-OrbExtractor::Impl::Impl(int width, int height, const OrbOptions& given)
+OrbExtractor::Impl::Impl(int width, int height, const OrbOptions& given, const FrontendKernels& chosen)
     : options(given),
+      kernels(chosen),
       pyramid(width, height, given.num_levels, given.scale_factor, kMinLevelEdgePx),
       pattern(pyramid.levels()[0].stride) {
   EXPECTS(std::min(width, height) >= kMinLevelEdgePx && std::max(width, height) <= 65535);
@@ -136,7 +137,9 @@ void OrbExtractor::Impl::extract_level(int index, int wanted, OrbFeatures& featu
 }
 
 OrbExtractor::OrbExtractor(int width, int height, const OrbOptions& options)
-    : impl_(std::make_unique<Impl>(width, height, options)) {}
+    : OrbExtractor(width, height, options, frontend_kernels()) {}
+OrbExtractor::OrbExtractor(int width, int height, const OrbOptions& options, const FrontendKernels& kernels)
+    : impl_(std::make_unique<Impl>(width, height, options, kernels)) {}
 OrbExtractor::~OrbExtractor() = default;
 OrbExtractor::OrbExtractor(OrbExtractor&&) noexcept = default;
 OrbExtractor& OrbExtractor::operator=(OrbExtractor&&) noexcept = default;

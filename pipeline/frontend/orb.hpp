@@ -9,12 +9,14 @@
 
 namespace povslam {
 
+struct FrontendKernels;
+
 struct OrbOptions {
   int num_features = 1000;     // wanted; what the image yields may be less
   int num_levels = 8;          // pyramid levels
   double scale_factor = 1.2;   // size ratio of neighbouring levels
   int fast_threshold = 20;     // grey levels: first choice of a cell
-  int min_fast_threshold = 7;  // grey levels: what a poor cell is lowered to
+  int min_fast_threshold = 7;  // grey levels: what a poor cell is lowered to, for half its share
   int cell_px = 32;            // cell edge on each level over which features are spread
 };
 
@@ -47,7 +49,9 @@ struct PyramidLevel {
 
 class OrbExtractor {
  public:
+  // On the widest instruction set this machine has, or on given kernels (kernels/dispatch.hpp).
   OrbExtractor(int width, int height, const OrbOptions& options);
+  OrbExtractor(int width, int height, const OrbOptions& options, const FrontendKernels& kernels);
   ~OrbExtractor();
   OrbExtractor(OrbExtractor&&) noexcept;
   OrbExtractor& operator=(OrbExtractor&&) noexcept;

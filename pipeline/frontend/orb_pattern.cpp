@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "pipeline/frontend/orb_pairs.hpp"
+
 namespace povslam {
 namespace {
 
@@ -10,31 +12,6 @@ constexpr double kPi = 3.14159265358979323846;
 struct Point {
   int x, y;
 };
-
-// A 64-bit linear congruential generator (Knuth's MMIX constants); its upper bits are good enough here.
-class Random {
- public:
-  int below(int n) {
-    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
-    return static_cast<int>((state_ >> 33) % static_cast<std::uint64_t>(n));
-  }
-  // Near to Gaussian (a sum of twelve), standard deviation 31 / 5 px, rounded, inside the patch.
-  Point gaussian_point() {
-    for (;;) {
-      const Point p{coordinate(), coordinate()};
-      if (p.x * p.x + p.y * p.y <= kPatchRadius * kPatchRadius) return p;
-    }
-  }
-
- private:
-  int coordinate() {
-    int sum = 0;
-    for (int k = 0; k < 12; ++k) sum += below(1001) - 500;
-    return static_cast<int>(std::lround(sum * 31.0 / 5.0 / 1001.0));
-  }
-  std::uint64_t state_ = 20111106;
-};
-
 // Rotation by power series: library sines may differ in the last bit between machines.
 struct Rotation {
   double cosine = 0.0, sine = 0.0;
@@ -83,16 +60,13 @@ float steady_atan2(float y, float x) {
 }
 
 BriefPattern::BriefPattern(std::int64_t stride) : offsets_(static_cast<std::size_t>(kAngles) * 2 * kBriefBits) {
-  Random random;
   for (int bit = 0; bit < kBriefBits; ++bit) {
-    const Point first = random.gaussian_point();
-    Point second = random.gaussian_point();
-    while (second.x == first.x && second.y == first.y) second = random.gaussian_point();
+    const BriefPair& pair = kBriefPairs[bit];
     for (int k = 0; k < kAngles; ++k) {
       const Rotation rotation(2.0 * kPi * k / kAngles);
       std::int32_t* const turned = offsets_.data() + static_cast<std::size_t>(k) * 2 * kBriefBits;
-      turned[bit] = rotation.offset(first, stride);
-      turned[kBriefBits + bit] = rotation.offset(second, stride);
+      turned[bit] = rotation.offset({pair.x0, pair.y0}, stride);
+      turned[kBriefBits + bit] = rotation.offset({pair.x1, pair.y1}, stride);
     }
   }
 }

@@ -1,5 +1,5 @@
-// Which pixel pairs BRIEF compares (Calonder et al., ECCV 2010: Gaussian test locations, G II), turned to the
-// feature's angle (Rublee et al., ICCV 2011, section 4.1), and the round patch of the intensity centroid.
+// The pixel pairs BRIEF compares (orb_pairs.hpp), turned to the feature's angle in steps of 6 degrees (Rublee et al.,
+// ICCV 2011, section 4.1), and the round patch of the intensity centroid (section 3.2).
 #pragma once
 
 #include <cstdint>

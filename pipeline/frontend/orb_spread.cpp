@@ -79,7 +79,7 @@ void CornerSpread::rank(const FastCorner* corners, int good_score) {
 }
 
 template <class Available>
-int CornerSpread::share_out(int budget, Available available) {
+void CornerSpread::share_out(int budget, Available available) {
   // The level of the water: all cells with that many candidates have as many taken.
   for (;;) {
     int open = 0;
@@ -92,7 +92,7 @@ int CornerSpread::share_out(int budget, Available available) {
       budget -= more;
     }
   }
-  if (budget == 0) return 0;
+  if (budget == 0) return;
   contest_.clear();
   const std::size_t per_cell = static_cast<std::size_t>(patches_) * patches_ * 2;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
@@ -104,14 +104,13 @@ int CornerSpread::share_out(int budget, Available available) {
     contest_.resize(budget);
   }
   for (const std::uint64_t key : contest_) ++cells_[index_of(key)].taken;
-  return budget - static_cast<int>(contest_.size());
 }
 
 int CornerSpread::choose(FastCorner* corners, int count, int wanted, int good_score) {
   collect(corners, count);
   rank(corners, good_score);
-  const int left = share_out(wanted, [](const Cell& cell) { return cell.eligible(); });
-  share_out(left, [](const Cell& cell) { return cell.all; });
+  const int poor_share = std::max(1, wanted / (2 * static_cast<int>(cells_.size())));
+  share_out(wanted, [&](const Cell& cell) { return cell.good > 0 ? cell.good : std::min(cell.all, poor_share); });
   const std::size_t per_cell = static_cast<std::size_t>(patches_) * patches_ * 2;
   int total = 0;
   for (std::size_t c = 0; c < cells_.size(); ++c) {

@@ -16,8 +16,8 @@ class CornerSpread {
   CornerSpread(PixelRect area, int cell_px);
 
   // Moves at most `wanted` of the first `count` corners (in raster order) to the front, sorted by cell row, then cell,
-  // then preference, and returns how many. Corners below good_score are taken in cells that have no better ones, and
-  // elsewhere only when the share of others remains unused.
+  // then preference, and returns how many. Corners below good_score are taken only in cells that have no better ones,
+  // and there at most half an even share: the next image shows fewer of them again.
   int choose(FastCorner* corners, int count, int wanted, int good_score);
 
  private:
@@ -25,15 +25,13 @@ class CornerSpread {
     int good = 0;  // candidates at or above good_score
     int all = 0;
     int taken = 0;
-    // Of a cell's candidates, those that count in the first round.
-    int eligible() const { return good > 0 ? good : all; }
   };
 
   void collect(const FastCorner* corners, int count);
   void rank(const FastCorner* corners, int good_score);
-  // Raises every cell's `taken` towards `available(cell)` by water-filling; returns what is left of `budget`.
+  // Raises every cell's `taken` towards `available(cell)` by water-filling with at most `budget` corners.
   template <class Available>
-  int share_out(int budget, Available available);
+  void share_out(int budget, Available available);
 
   PixelRect area_;
   int cell_columns_, cell_rows_, patches_;               // patches_: per cell and axis

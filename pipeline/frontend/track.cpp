@@ -10,6 +10,8 @@ namespace povslam {
 namespace {
 constexpr int kMinToStart = 80;        // features with depth to begin a map
 constexpr int kMinFromMotion = 20;     // matches that make a motion search worth solving
+constexpr double kMinFitting = 0.4;    // share of the matches that must agree on the pose
+constexpr double kMinAgreement = 0.5;  // of thumbnails before the turn they tell is believed
 constexpr int kMinToRelocalise = 40;   // fitting landmarks before a found place is believed
 constexpr int kSearchedPerFrame = 3;   // keyframes tried each frame while lost
 constexpr float kLocalRadiusPx = 4.0F;
@@ -29,6 +31,7 @@ Tracker::Tracker(const PinholeCamera& camera, const FrontendOptions& options, co
       smooth_exchange_(camera, options),
       relocaliser_(camera, options),
       matcher_(options.orb.num_features),
+      turn_prior_(camera),
       frame_(camera, options),
       last_(camera, options),
       T_world_camera_start_(T_world_camera_start) {
@@ -44,6 +47,7 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
   std::swap(frame_, last_);
   builder_.build(input, frame_);
   frame_.index = frame_index_++;
+  turn_prior_.look(builder_.images());
   const TimeNs built = thread_cpu_now();
   result_.num_features = frame_.size();
   bool tracked = false;
@@ -57,6 +61,7 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     frame_.T_camera_world = predicted;
     compensate_motion();
     tracked = track_motion(predicted);
+    last_matches_ = tracked ? solution_.num_inliers : 0;
     if (tracked) compensate_motion();
     tracked = tracked && track_local_map(false);
     if (!tracked) tracked = relocalise();
@@ -96,13 +101,25 @@ Rigid3 Tracker::predict() const {
 
 bool Tracker::track_motion(const Rigid3& predicted) {
   const float radius = static_cast<float>(options_.track.search_radius_px);
-  if (match_last(predicted, radius, kMinFromMotion)) return true;
-  if (match_last(predicted, 2.0F * radius, kMinFromMotion)) return true;
-  return match_last(last_.T_camera_world, 4.0F * radius, kMinFromMotion);
+  // A prediction is good when most of what the last frame saw is found again where it says.
+  const int strong = std::max(kMinFromMotion, last_matches_ / 2);
+  const int best = match_last(predicted, radius);
+  if (best >= strong) return true;
+  const TurnPrior::Turn turn =
+      turn_prior_.estimate((predicted.rotation * last_.T_camera_world.rotation.conjugate()).normalized());
+  if (turn.agreement > kMinAgreement) {
+    const Rigid3 turned = Rigid3{turn.R_now_before, Eigen::Vector3d::Zero()} * last_.T_camera_world;
+    const int found = match_last(turned, radius);
+    if (found >= strong) return true;
+    if (std::max(found, match_last(turned, 2.0F * radius)) > std::max(best, kMinFromMotion)) return true;
+  }
+  if (match_last(predicted, 2.0F * radius) >= kMinFromMotion) return true;
+  return match_last(last_.T_camera_world, 4.0F * radius) >= kMinFromMotion;
 }
 
 // Points the last frame saw (landmarks, and what its depth says of other features) searched around their predicted place.
-bool Tracker::match_last(const Rigid3& predicted, float radius_px, int min_matches) {
+// Returns how many fit the pose that came out, 0 when none did; the frame then has that pose and its landmarks.
+int Tracker::match_last(const Rigid3& predicted, float radius_px) {
   matcher_.start(frame_);
   const Rigid3 T_world_last = last_.T_camera_world.inverse();
   const double log_scale = map_.num_levels() > 1 ? std::log(map_.level_scale(1)) : 1.0;
@@ -126,19 +143,20 @@ bool Tracker::match_last(const Rigid3& predicted, float radius_px, int min_match
     c.tag = seen != kNone ? seen : kPointOfLast + i;
     matcher_.match(frame_, c, kMaxDistance, 0.9);
   }
-  if (matcher_.count() < min_matches) return false;
+  if (matcher_.count() < kMinFromMotion) return 0;
   observe_matches(true);
   PoseSolverOptions solver;
   solver.first_gate = 4.0;
   solution_ = solve_pose(camera_, predicted, observations_, solver);
-  if (!solution_.converged || solution_.num_inliers < std::max(10, min_matches / 2)) return false;
+  if (!solution_.converged || solution_.num_inliers < kMinFromMotion || solution_.num_inliers < kMinFitting * matcher_.count())
+    return 0;
   frame_.T_camera_world = solution_.T_camera_world;
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
   for (std::size_t o = 0; o < observations_.size(); ++o) {
     const std::int32_t tag = matcher_.tag_of(observed_feature_[o]);
     if (observations_[o].fits && tag < kPointOfLast) frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = tag;
   }
-  return true;
+  return solution_.num_inliers;
 }
 
 // Turns the matcher's pairs into observations for the pose.
@@ -269,6 +287,7 @@ bool Tracker::track_local_map(bool wide) {
     solution = solve_pose(camera_, solution.T_camera_world, observations_, solver);
   }
   const bool enough = solution.converged && solution.num_inliers >= options_.track.min_inliers_degraded;
+  if (getenv("DBG2")&&frame_.index%20==0) { for (size_t k=0;k<observations_.size();++k){ auto&o=observations_[k]; int f=observed_feature_[k]; Eigen::Vector3d p=solution.T_camera_world*o.p_world; double du=camera_.fx*p.x()/p.z()+camera_.cx-o.u_px,dv=camera_.fy*p.y()/p.z()+camera_.cy-o.v_px; double e=(1/p.z()-o.inverse_depth_per_m); bool ref=std::abs(frame_.sigma_px[f]-options_.noise.pixel_sigma_px*map_.level_scale(frame_.features.level[f]))>1e-4; printf("OBS %ld ref %d fits %d sig %.2f sd %.5f hd %d du %.3f dv %.3f e %.5f lev %d ns %d z %.2f\n",frame_.index,ref,o.fits,frame_.sigma_px[f],frame_.sigma_inverse_depth[f],o.weight_inverse_depth>0,du,dv,e,frame_.features.level[f],map_.landmark(matcher_.tag_of(f)).num_sightings,p.z()); } }
   if (getenv("DBG")) { std::vector<double> px,d; double n=0,bx=0,by=0; for (auto&o:observations_){ Eigen::Vector3d p=solution.T_camera_world*o.p_world; double du=camera_.fx*p.x()/p.z()+camera_.cx-o.u_px,dv=camera_.fy*p.y()/p.z()+camera_.cy-o.v_px; px.push_back(std::sqrt(du*du+dv*dv)); if(o.weight_inverse_depth>0){double e=(1/p.z()-o.inverse_depth_per_m);d.push_back(std::abs(e)*std::sqrt(o.weight_inverse_depth));} n++;bx+=du;by+=dv;} std::sort(px.begin(),px.end());std::sort(d.begin(),d.end()); printf("f %ld obs %zu inl %d dinl %d px med %.2f p80 %.2f | d/sig med %.2f p80 %.2f\n",frame_.index,px.size(),solution.num_inliers,solution.num_depth_inliers,px[px.size()/2],px[px.size()*8/10],d[d.size()/2],d[d.size()*8/10]); }
   if (!enough) return false;
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);

@@ -13,6 +13,7 @@
 #include "pipeline/frontend/smooth_exchange.hpp"
 #include "pipeline/frontend/solve_pose.hpp"
 #include "pipeline/frontend/track_state.hpp"
+#include "pipeline/frontend/turn_prior.hpp"
 
 namespace povslam {
 
@@ -45,7 +46,7 @@ class Tracker {
   void start_map();
   Rigid3 predict() const;
   bool track_motion(const Rigid3& predicted);
-  bool match_last(const Rigid3& predicted, float radius_px, int min_matches);
+  int match_last(const Rigid3& predicted, float radius_px);
   bool track_local_map(bool wide);
   bool refine_matches(const PoseSolution& solution);
   int match_local_map(const Rigid3& T_camera_world, bool wide);
@@ -66,6 +67,7 @@ class Tracker {
   SmoothExchange smooth_exchange_;
   Relocaliser relocaliser_;
   Matcher matcher_;
+  TurnPrior turn_prior_;
   Frame frame_, last_;
   std::vector<PoseObservation> observations_;
   std::vector<std::int32_t> observed_feature_;  // of each observation
@@ -80,6 +82,7 @@ class Tracker {
   std::int32_t newest_keyframe_ = kNone;
   std::int64_t reference_id_ = -1;
   std::int64_t frame_index_ = 0;
+  int last_matches_ = 0;  // how many points of the last frame were found in the one after it
   int good_frames_ = 0, bad_frames_ = 0;
   std::int32_t search_cursor_ = 0;
 

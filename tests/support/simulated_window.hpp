@@ -124,4 +124,36 @@ inline Window make_window(const WindowOptions& options) {
   return Maker(options).make();
 }
 
+// A few keyframes, every point seen whenever it is in view: for tests of single effects.
+inline WindowOptions small_window() {
+  WindowOptions options;
+  options.num_fixed = 3;
+  options.num_free = 4;
+  options.num_points = 60;
+  options.max_observations = 100'000;  // everything in view is seen
+  return options;
+}
+
+// RMS over the free poses of the translation's and the rotation's error.
+inline Eigen::Vector2d pose_error(const Window& window, const SmoothProblem& problem) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (std::size_t i = 0; i < problem.poses.size(); ++i) {
+    if (problem.poses[i].fixed) continue;
+    const Vector6d xi = local(window.poses[i], problem.poses[i].T_world_camera);
+    sum += Eigen::Vector2d(xi.head<3>().squaredNorm(), xi.tail<3>().squaredNorm());
+    ++count;
+  }
+  return (sum / count).cwiseSqrt();
+}
+
+inline double median_point_error(const Window& window, const SmoothProblem& problem) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    errors.push_back((problem.points[i].p_world - window.points[i]).norm());
+  }
+  std::ranges::nth_element(errors, errors.begin() + errors.size() / 2);
+  return errors[errors.size() / 2];
+}
+
 }  // namespace povslam::simulated

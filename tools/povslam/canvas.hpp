@@ -10,7 +10,7 @@
 
 #include "pipeline/base/result.hpp"
 
-namespace povslam {
+namespace povslam::drawing {
 
 struct Color {
   std::uint8_t red = 0, green = 0, blue = 0;
@@ -44,4 +44,4 @@ class Canvas {
 std::unique_ptr<Canvas> make_png_canvas(int width_px, int height_px);
 std::unique_ptr<Canvas> make_svg_canvas(int width_px, int height_px);
 
-}  // namespace povslam
+}  // namespace povslam::drawing

@@ -4,7 +4,7 @@
 
 #include "tools/povslam/canvas.hpp"
 
-namespace povslam {
+namespace povslam::drawing {
 namespace {
 
 // Drawn larger and averaged down: OpenCV's stroke font has no smoothing worth the name at reading size.
@@ -78,4 +78,4 @@ std::unique_ptr<Canvas> make_png_canvas(int width_px, int height_px) {
   return std::make_unique<PngCanvas>(width_px, height_px);
 }
 
-}  // namespace povslam
+}  // namespace povslam::drawing

@@ -3,7 +3,7 @@
 
 #include "tools/povslam/canvas.hpp"
 
-namespace povslam {
+namespace povslam::drawing {
 namespace {
 
 std::string number(double value) {
@@ -101,4 +101,4 @@ std::unique_ptr<Canvas> make_svg_canvas(int width_px, int height_px) {
   return std::make_unique<SvgCanvas>(width_px, height_px);
 }
 
-}  // namespace povslam
+}  // namespace povslam::drawing

@@ -12,6 +12,8 @@
 namespace povslam {
 namespace {
 
+using namespace drawing;
+
 constexpr int kWidthPx = 1400, kHeightPx = 800;
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-namespace povslam {
+namespace povslam::drawing {
 namespace {
 
 constexpr Color kGrid{225, 229, 234}, kFrame{120, 128, 138}, kText{45, 52, 60};
@@ -86,11 +86,13 @@ void Axes::widen_to_equal_scale() {
   const double more_x = 0.5 * (per_px * size_px_.x() - x_.span()), more_y = 0.5 * (per_px * size_px_.y() - y_.span());
   x_ = {x_.low - more_x, x_.high + more_x};
   y_ = {y_.low - more_y, y_.high + more_y};
+  tick_spacing_y_px_ = tick_spacing_x_px_;
 }
 
 void Axes::draw_frame(const std::string& title, const std::string& x_label) const {
   const double right = corner_px_.x() + size_px_.x(), bottom = corner_px_.y() + size_px_.y();
-  const int wanted_x = static_cast<int>(size_px_.x() / 90.0), wanted_y = static_cast<int>(size_px_.y() / 45.0);
+  const int wanted_x = static_cast<int>(size_px_.x() / tick_spacing_x_px_);
+  const int wanted_y = static_cast<int>(size_px_.y() / tick_spacing_y_px_);
   for (const double x : ticks(x_, wanted_x)) {
     const double px = pixel({x, y_.low}).x();
     const Eigen::Vector2d line[] = {{px, corner_px_.y()}, {px, bottom}};
@@ -151,4 +153,4 @@ bool Axes::inside(const Eigen::Vector2d& point) const {
   return point.x() >= x_.low && point.x() <= x_.high && point.y() >= y_.low && point.y() <= y_.high;
 }
 
-}  // namespace povslam
+}  // namespace povslam::drawing

@@ -7,7 +7,7 @@
 
 #include "tools/povslam/canvas.hpp"
 
-namespace povslam {
+namespace povslam::drawing {
 
 struct Range {
   double low = 0.0, high = 1.0;
@@ -37,6 +37,7 @@ class Axes {
   Canvas& canvas_;
   Eigen::Vector2d corner_px_, size_px_;
   Range x_, y_;
+  double tick_spacing_x_px_ = 90.0, tick_spacing_y_px_ = 45.0;
 };
 
-}  // namespace povslam
+}  // namespace povslam::drawing

@@ -69,7 +69,7 @@ Status plot_against_truth(const std::filesystem::path& out, const std::filesyste
   if (!truth) return truth.error();
   std::vector<TimeNs> stamps;
   for (const StampedPose& pose : record.published) stamps.push_back(pose.stamp);
-  Result<TrajectoryReport> report = report_trajectory(*truth, record.published, stamps, {});
+  Result<scores::TrajectoryReport> report = scores::report_trajectory(*truth, record.published, stamps, {});
   if (!report) return report.error();
   report->plot.title = sequence.filename().string();
   return plot_trajectories((out / "trajectory.png").string(), report->plot);

@@ -133,8 +133,13 @@ Status SequenceWriter::add(const RgbdFrame& frame, const Rigid3& T_world_camera)
   list("rgb.txt", "# timestamp filename\n") << time << ' ' << rgb << '\n';
   list("depth.txt", "# timestamp filename\n") << depth_time << ' ' << depth << '\n';
   list("associations.txt", "") << time << ' ' << rgb << ' ' << depth_time << ' ' << depth << '\n';
-  list("groundtruth.txt", "# timestamp tx ty tz qx qy qz qw\n") << time << ' ' << pose_text(T_world_camera) << '\n';
+  add_truth(frame.stamp, T_world_camera);
   return write_image(folder_ / depth, as_mat(frame.depth, CV_16UC1));
+}
+
+void SequenceWriter::add_truth(TimeNs stamp, const Rigid3& T_world_camera) {
+  list("groundtruth.txt", "# timestamp tx ty tz qx qy qz qw\n")
+      << seconds(stamp) << ' ' << pose_text(T_world_camera) << '\n';
 }
 
 Status SequenceWriter::add(const LabelFrame& labels, std::uint64_t seq) {

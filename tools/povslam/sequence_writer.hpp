@@ -25,6 +25,7 @@ class SequenceWriter {
 
   Status write_calibration(const SensorCalibration& camera, std::span<const SensorCalibration> others);
   Status add(const RgbdFrame& frame, const Rigid3& T_world_camera);
+  void add_truth(TimeNs stamp, const Rigid3& T_world_camera);  // done by the one above already
   Status add(const LabelFrame& labels, std::uint64_t seq);
   Status add(const LidarFrame& scan);
   Status write_text(const std::string& name, const std::string& text);

@@ -72,6 +72,13 @@ Status write_truth(SequenceWriter& writer, const World& world) {
   return status;
 }
 
+void write_poses(SequenceWriter& writer, const World& world) {
+  for (std::uint64_t seq = 0; seq < world.num_frames(); ++seq) {
+    const TimeNs time = world.frame_time(seq);
+    writer.add_truth(world.start_stamp() + time, world.T_world_camera(to_seconds(time)));
+  }
+}
+
 Status write_frames(SequenceWriter& writer, const World& world) {
   synthetic::Renderer renderer(world);
   RgbdFrame frame;
@@ -122,6 +129,11 @@ int run_simulate(const SimulateOptions& options) {
   Result<SequenceWriter> writer = SequenceWriter::create(options.out, options.force);
   if (!writer) return failed(writer.error(), 2);
   Status status = write_truth(*writer, *world);
+  if (options.truth_only) {
+    write_poses(*writer, *world);
+    if (status) status = writer->finish();
+    return status ? 0 : failed(status.error(), 1);
+  }
   if (status) status = write_frames(*writer, *world);
   if (status && options.world.lidar) status = write_scans(*writer, *world);
   if (status) status = writer->finish();
@@ -135,6 +147,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   };
   auto given = std::make_shared<Given>();
   CLI::App* command = app.add_subcommand("simulate", "Write a simulated sequence with ground truth");
+  command->add_flag("--truth-only", given->simulate.truth_only, "Write the ground truth, but no images and scans");
   const auto key = [&](const std::string& name, const std::string& help) {
     command->add_option_function<std::string>(
         "--" + name, [given, name](const std::string& text) { given->keys[name] = text; }, help);

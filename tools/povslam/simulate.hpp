@@ -10,8 +10,9 @@ namespace povslam {
 
 struct SimulateOptions {
   synthetic::SyntheticOptions world;
-  std::string out;     // folder
-  bool force = false;  // replace an earlier simulated sequence there
+  std::string out;          // folder
+  bool force = false;       // replace an earlier simulated sequence there
+  bool truth_only = false;  // ground truth and calibration, no measurements: the truth of what the driver delivers live
 };
 
 // 0 success, 1 failure while writing, 2 bad options; says on standard error what was wrong.

@@ -15,6 +15,32 @@ enum {
   kResponseColumns = kColumns - 2 * kTaps
 };
 
+#if defined(__AVX2__)
+enum { kWidth = 8 };
+using Floats = __m256;
+POVSLAM_INLINE Floats load_floats(const float* p) {
+  return _mm256_loadu_ps(p);
+}
+POVSLAM_INLINE void store_floats(float* p, Floats a) {
+  _mm256_storeu_ps(p, a);
+}
+POVSLAM_INLINE Floats to_floats(__m128i a) {
+  return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(a));
+}
+#else
+enum { kWidth = 4 };
+using Floats = __m128;
+POVSLAM_INLINE Floats load_floats(const float* p) {
+  return _mm_loadu_ps(p);
+}
+POVSLAM_INLINE void store_floats(float* p, Floats a) {
+  _mm_storeu_ps(p, a);
+}
+POVSLAM_INLINE Floats to_floats(__m128i a) {
+  return _mm_cvtepi32_ps(_mm_cvtepi16_epi32(a));
+}
+#endif
+
 // exp(-k^2 / 8)
 constexpr float kGaussian[kTaps + 1] = {1.0F, 0.88249690F, 0.60653066F, 0.32465247F, 0.13533528F};
 
@@ -26,51 +52,63 @@ struct Responses {
   alignas(64) float at[kPeaks][kResponseColumns];
 };
 
-// Products of the Sobel gradients; (0, 0) is the pixel kRows / 2 up and left of the corner.
+POVSLAM_INLINE __m128i eight_pixels(const uint8_t* p) {
+  return _mm_cvtepu8_epi16(_mm_loadl_epi64(reinterpret_cast<const __m128i_u*>(p)));
+}
+
+// a + 2 b + c
+POVSLAM_INLINE __m128i weigh_three(__m128i a, __m128i b, __m128i c) {
+  return _mm_add_epi16(_mm_add_epi16(a, c), _mm_add_epi16(b, b));
+}
+
+// Products of the Sobel gradients; [0][0] is the pixel kRows / 2 up and left of the corner.
 POVSLAM_INLINE void gradient_products(const uint8_t* corner, int64_t stride, Products& out) {
-  for (int row = 0; row < kRows; ++row) {
-    const uint8_t* p = corner + (row - kRows / 2) * stride - kRows / 2 - 1;
-    int16_t sum[kColumns + 2], difference[kColumns + 2];
-    for (int k = 0; k < kColumns + 2; ++k) {
-      sum[k] = static_cast<int16_t>(p[k - stride] + 2 * p[k] + p[k + stride]);
-      difference[k] = static_cast<int16_t>(p[k + stride] - p[k - stride]);
+  for (int column = 0; column < kColumns; column += kWidth) {
+    const uint8_t* p = corner - (kRows / 2 + 1) * stride + column - kRows / 2;
+    __m128i left[3], middle[3], right[3];  // of three rows
+    for (int k = 1; k < 3; ++k, p += stride) {
+      left[k] = eight_pixels(p - 1), middle[k] = eight_pixels(p), right[k] = eight_pixels(p + 1);
     }
-#pragma omp simd
-    for (int k = 0; k < kColumns; ++k) {
-      const float x = static_cast<float>(sum[k + 2] - sum[k]);
-      const float y = static_cast<float>(difference[k] + 2 * difference[k + 1] + difference[k + 2]);
-      out.xx[row][k] = x * x;
-      out.xy[row][k] = x * y;
-      out.yy[row][k] = y * y;
+    for (int row = 0; row < kRows; ++row, p += stride) {
+      for (int k = 0; k < 2; ++k) left[k] = left[k + 1], middle[k] = middle[k + 1], right[k] = right[k + 1];
+      left[2] = eight_pixels(p - 1), middle[2] = eight_pixels(p), right[2] = eight_pixels(p + 1);
+      const Floats x =
+          to_floats(_mm_sub_epi16(weigh_three(right[0], right[1], right[2]), weigh_three(left[0], left[1], left[2])));
+      const Floats y = to_floats(
+          _mm_sub_epi16(weigh_three(left[2], middle[2], right[2]), weigh_three(left[0], middle[0], right[0])));
+      store_floats(out.xx[row] + column, x * x);
+      store_floats(out.xy[row] + column, x * y);
+      store_floats(out.yy[row] + column, y * y);
     }
   }
 }
 
-POVSLAM_INLINE void smooth_down(const float (*in)[kColumns], float* out) {
-#pragma omp simd
-  for (int k = 0; k < kColumns; ++k) {
-    float sum = kGaussian[0] * in[kTaps][k];
-    for (int tap = 1; tap <= kTaps; ++tap) sum += kGaussian[tap] * (in[kTaps - tap][k] + in[kTaps + tap][k]);
-    out[k] = sum;
+// Gaussian sum of nine vectors, `step` floats apart; `middle` is the fifth.
+POVSLAM_INLINE Floats smooth(const float* middle, int step) {
+  Floats sum = kGaussian[0] * load_floats(middle);
+  for (int tap = 1; tap <= kTaps; ++tap) {
+    sum += kGaussian[tap] * (load_floats(middle - tap * step) + load_floats(middle + tap * step));
   }
-}
-
-POVSLAM_INLINE float smooth_across(const float* in) {
-  float sum = kGaussian[0] * in[kTaps];
-  for (int tap = 1; tap <= kTaps; ++tap) sum += kGaussian[tap] * (in[kTaps - tap] + in[kTaps + tap]);
   return sum;
 }
 
-POVSLAM_INLINE void respond(const Products& products, Responses& out) {
+POVSLAM_INLINE void smooth_down(const float (*rows)[kColumns], float (*out)[kColumns]) {
   for (int row = 0; row < kPeaks; ++row) {
-    alignas(64) float xx[kColumns], xy[kColumns], yy[kColumns];
-    smooth_down(products.xx + row, xx);
-    smooth_down(products.xy + row, xy);
-    smooth_down(products.yy + row, yy);
-#pragma omp simd
-    for (int k = 0; k < kResponseColumns; ++k) {
-      const float a = smooth_across(xx + k), b = smooth_across(xy + k), c = smooth_across(yy + k);
-      out.at[row][k] = (a * c - b * b) / (a + c + 1.0F);
+    for (int k = 0; k < kColumns; k += kWidth) store_floats(out[row] + k, smooth(rows[row + kTaps] + k, kColumns));
+  }
+}
+
+// All rows go down before any goes across: unaligned loads of what was just stored would stall.
+POVSLAM_INLINE void respond(const Products& products, Responses& out) {
+  alignas(64) float xx[kPeaks][kColumns], xy[kPeaks][kColumns], yy[kPeaks][kColumns];
+  smooth_down(products.xx, xx);
+  smooth_down(products.xy, xy);
+  smooth_down(products.yy, yy);
+  for (int row = 0; row < kPeaks; ++row) {
+    for (int k = 0; k < kResponseColumns; k += kWidth) {
+      const Floats a = smooth(xx[row] + kTaps + k, 1), b = smooth(xy[row] + kTaps + k, 1);
+      const Floats c = smooth(yy[row] + kTaps + k, 1);
+      store_floats(out.at[row] + k, (a * c - b * b) / (a + c + 1.0F));
     }
   }
 }

@@ -87,6 +87,8 @@ TEST(CameraPresets, AreAllReadableAndWithinTheirImages) {
   }
   EXPECT_EQ(find_camera("tum1")->color.fx, 517.306408);
   EXPECT_EQ(find_camera("tum1")->depth_scale, 5000.0);
+  EXPECT_FALSE(find_camera("tum1")->depth);
+  EXPECT_TRUE(find_camera("7scenes")->depth) << "that data set's depth is not registered";
   EXPECT_THAT(find_camera("tum9").error().message,
               HasSubstr("neither a file nor a preset (7scenes, tum1, tum2, tum3)"));
 }

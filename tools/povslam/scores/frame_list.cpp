@@ -4,7 +4,7 @@
 
 #include "drivers/replay/text_file.hpp"
 
-namespace povslam {
+namespace povslam::scores {
 
 Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& sequence) {
   const std::filesystem::path associations = sequence / "associations.txt";
@@ -23,4 +23,4 @@ Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& se
   return frames;
 }
 
-}  // namespace povslam
+}  // namespace povslam::scores

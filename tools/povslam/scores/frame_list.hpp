@@ -7,7 +7,7 @@
 #include "pipeline/base/result.hpp"
 #include "pipeline/base/time.hpp"
 
-namespace povslam {
+namespace povslam::scores {
 
 struct ListedFrame {
   TimeNs stamp = 0;
@@ -17,4 +17,4 @@ struct ListedFrame {
 // From associations.txt if the sequence has one, else from rgb.txt; sorted by stamp, equal stamps once.
 Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& sequence);
 
-}  // namespace povslam
+}  // namespace povslam::scores

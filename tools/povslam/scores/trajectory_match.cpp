@@ -2,7 +2,7 @@
 
 #include "tools/povslam/scores/trajectory_score.hpp"
 
-namespace povslam {
+namespace povslam::scores {
 namespace {
 
 constexpr TimeNs kSameStamp = 2 * kNsPerMs;  // stamps pass through text of few digits
@@ -62,4 +62,4 @@ MatchedTrajectory match_trajectories(const std::vector<StampedPose>& truth, cons
   return matched;
 }
 
-}  // namespace povslam
+}  // namespace povslam::scores

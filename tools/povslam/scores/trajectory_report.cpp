@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace povslam {
+namespace povslam::scores {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -117,7 +117,8 @@ Result<TrajectoryReport> report_trajectory(const std::vector<StampedPose>& truth
   report.plot = plot_of(truth, estimate, show_first ? T_first : *T_aligned, figures,
                         show_first ? "first_fixed" : "aligned", options);
   report.figures = std::move(figures);
+  report.T_truth_estimate = T_first;
   return report;
 }
 
-}  // namespace povslam
+}  // namespace povslam::scores

@@ -9,7 +9,7 @@
 #include "tools/povslam/plot.hpp"
 #include "tools/povslam/scores/trajectory_score.hpp"
 
-namespace povslam {
+namespace povslam::scores {
 
 enum class Alignment : std::uint8_t { first, se3, both };  // which figures are printed; the plot takes `first` for both
 
@@ -23,6 +23,7 @@ struct TrajectoryReportOptions {
 struct TrajectoryReport {
   nlohmann::ordered_json figures;
   TrajectoryPlot plot;
+  Rigid3 T_truth_estimate;  // first pose fixed
 };
 
 // frames: as for match_trajectories. An estimate without any pose that has truth is an error.
@@ -30,4 +31,4 @@ Result<TrajectoryReport> report_trajectory(const std::vector<StampedPose>& truth
                                            const std::vector<StampedPose>& estimate, const std::vector<TimeNs>& frames,
                                            const TrajectoryReportOptions& options);
 
-}  // namespace povslam
+}  // namespace povslam::scores

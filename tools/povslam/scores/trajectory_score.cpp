@@ -7,7 +7,7 @@
 
 #include "pipeline/geometry/align.hpp"
 
-namespace povslam {
+namespace povslam::scores {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
@@ -102,7 +102,9 @@ StandstillErrors standstill_errors(std::span<const ScoredPose> poses) {
 RelativeErrors relative_errors(std::span<const ScoredPose> poses, double window_s) {
   const TimeNs window = from_seconds(window_s);
   std::vector<double> translations_m, rotations_deg;
+  constexpr TimeNs kRounding = 2 * kNsPerMs;  // of stamps kept as text
   for (const ScoredPose& from : poses) {
+    if (from.stamp + window > poses.back().stamp + kRounding) break;
     const ScoredPose& to = poses[nearest(poses, from.stamp + window)];
     if (std::abs(to.stamp - from.stamp - window) > window / 10) continue;
     const Rigid3 truth = from.T_world_truth.inverse() * to.T_world_truth;
@@ -113,4 +115,4 @@ RelativeErrors relative_errors(std::span<const ScoredPose> poses, double window_
   return {rmse(translations_m), rmse(rotations_deg), translations_m.size()};
 }
 
-}  // namespace povslam
+}  // namespace povslam::scores

@@ -14,7 +14,7 @@
 
 #include "drivers/replay/trajectory_file.hpp"
 
-namespace povslam {
+namespace povslam::scores {
 
 struct ScoredPose {
   TimeNs stamp = 0;
@@ -62,7 +62,8 @@ struct RelativeErrors {
   double translation_rmse_m = 0.0, rotation_rmse_deg = 0.0;
   std::size_t pairs = 0;  // zero: the run is shorter than the window
 };
-// Pairs (i, j), j nearest in time to i + window_s and no further from it than a tenth of the window.
+// Pairs (i, j), j nearest in time to i + window_s (which lies within the run) and no further from it than a tenth of
+// the window.
 RelativeErrors relative_errors(std::span<const ScoredPose> poses, double window_s);
 
-}  // namespace povslam
+}  // namespace povslam::scores

@@ -1,0 +1,254 @@
+#include "daemon/app.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "daemon/config_file.hpp"
+#include "tests/support/fake_driver.hpp"
+
+namespace povslam {
+namespace {
+
+using Kind = FakeStep::Kind;
+
+class CollectingSink : public Sink {
+ public:
+  void on_frame(const TrackedFrame& frame) override { frames.push_back(frame); }
+  void on_health(const Health& health) override { reports.push_back(health); }
+  std::vector<TrackedFrame> frames;
+  std::vector<Health> reports;
+};
+
+struct Bench {
+  std::shared_ptr<FakeScript> script = std::make_shared<FakeScript>();
+  CollectingSink sink;
+  std::atomic<bool> ended{false};
+  AppConfig config = *parse_config("[[sensor]]\ndriver = \"fake\"\n[daemon]\nhealth_period_s = 0.05\n", "test", {});
+  TrackingProbe probe;
+
+  Result<std::unique_ptr<App>> start() {
+    AppOptions options;
+    options.driver = std::make_unique<FakeDriver>(script);
+    options.sinks = {&sink};
+    options.on_end = [this] {
+      ended = true;
+      ended.notify_all();
+    };
+    options.sensor.first_pause = 2 * kNsPerMs;
+    options.sensor.longest_pause = 10 * kNsPerMs;
+    options.probe = probe;
+    return App::start(config, std::move(options));
+  }
+  std::unique_ptr<App> run_to_end() {
+    auto app = start();
+    EXPECT_TRUE(app) << app.error().message;
+    ended.wait(false);
+    (*app)->stop();
+    return std::move(*app);
+  }
+};
+
+bool eventually(const std::function<bool()>& condition) {
+  for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return condition();
+}
+
+std::int64_t all_drops(const Counters& counters) {
+  std::int64_t sum = 0;
+  for (const auto& drop : counters.drops) sum += drop.load();
+  return sum;
+}
+
+TEST(App, TracksEveryFrameOfARecordingAndGivesItToTheSinks) {
+  Bench bench;
+  bench.script->frames(30);
+  const auto app = bench.run_to_end();
+  ASSERT_EQ(bench.sink.frames.size(), 30u);
+  for (std::size_t i = 0; i < 30; ++i) {
+    const TrackedFrame& frame = bench.sink.frames[i];
+    EXPECT_EQ(frame.pose.seq, i);
+    EXPECT_EQ(frame.pose.state, TrackState::ok);
+    EXPECT_GE(frame.handed_over, frame.received);
+    EXPECT_GT(frame.received, 0);
+    EXPECT_LT(frame.pose.T_world_body.translation.norm(), 0.02);  // the camera stands still
+  }
+  EXPECT_EQ(all_drops(app->counters()), 0);
+  EXPECT_EQ(app->counters().tracked.load(), 30);
+  EXPECT_GT(bench.sink.frames.back().map.landmarks, 50);
+}
+
+TEST(App, CountsEachDroppedFrameWithItsReason) {
+  Bench bench;
+  FakeScript& script = *bench.script;
+  script.frames(3);
+  script.then(Kind::bad).frames(1, 4);             // number 3 was torn: no gap as well
+  script.frames(1, 7);                             // 5 and 6 never came
+  script.steps.push_back({Kind::frame, 1000, 8});  // a stamp of long ago
+  script.steps.push_back({Kind::other_sensor, 2 * kNsPerSecond, 0});
+  script.steps.push_back({Kind::wrong_size, 3 * kNsPerSecond, 9});
+  script.steps.push_back({Kind::frame, 4 * kNsPerSecond, 10});
+  const auto app = bench.run_to_end();
+  const Counters& counters = app->counters();
+  EXPECT_EQ(counters.dropped(DropReason::bad_frame), 2);
+  EXPECT_EQ(counters.dropped(DropReason::gap), 2);
+  EXPECT_EQ(counters.dropped(DropReason::late), 1);
+  EXPECT_EQ(counters.dropped(DropReason::unused), 1);
+  EXPECT_EQ(counters.dropped(DropReason::ring_full), 0);
+  EXPECT_EQ(bench.sink.frames.size(), 6u);
+  const Health& last = bench.sink.reports.back();
+  EXPECT_EQ(last.frames_in, 9);
+  EXPECT_EQ(last.drops[static_cast<std::size_t>(DropReason::gap)], 2);
+}
+
+TEST(App, DropsWhatADeviceDeliversFasterThanTrackingTakesItAndAccountsForAll) {
+  Bench bench;
+  bench.config.daemon.frame_slots = 3;
+  bench.script->paced = true;
+  bench.script->frames(300);
+  const auto app = bench.run_to_end();
+  const Counters& counters = app->counters();
+  EXPECT_GT(counters.dropped(DropReason::ring_full), 0);
+  EXPECT_EQ(counters.frames_in.load(), 300);
+  EXPECT_EQ(counters.tracked.load() + counters.lost.load() + counters.dropped(DropReason::ring_full), 300);
+  EXPECT_EQ(static_cast<std::int64_t>(bench.sink.frames.size()), counters.tracked.load() + counters.lost.load());
+}
+
+TEST(App, ReopensACameraThatFailedAndGoesOn) {
+  Bench bench;
+  bench.script->frames(5).then(Kind::fail).frames(5, 20);
+  bench.script->refuse_opens = 3;
+  const auto app = bench.run_to_end();
+  EXPECT_EQ(app->counters().reopened.load(), 1);
+  EXPECT_EQ(bench.script->opened.load(), 5);
+  EXPECT_EQ(bench.sink.frames.size(), 10u);
+  EXPECT_EQ(app->counters().dropped(DropReason::gap), 0);  // a device that was gone counts anew
+}
+
+TEST(App, SaysThatACameraIsDownWhileItIs) {
+  Bench bench;
+  bench.script->frames(3).then(Kind::fail);
+  bench.script->refuse_opens = 1 << 20;
+  auto app = bench.start();
+  ASSERT_TRUE(app);
+  EXPECT_TRUE(eventually([&] { return bench.script->opened > 4; }));
+  (*app)->stop();
+  EXPECT_EQ(bench.sink.reports.back().sensors_up, 0);
+  EXPECT_EQ(bench.sink.reports.back().sensors_down, 1);
+  EXPECT_TRUE(bench.sink.reports.back().tracking_alive);
+}
+
+TEST(App, DoesNotTrackWithACameraOfAnotherCalibration) {
+  Bench bench;
+  bench.script->frames(3).then(Kind::fail).frames(3, 10);
+  bench.script->width_at_reopen = 640;
+  auto app = bench.start();
+  ASSERT_TRUE(app);
+  EXPECT_TRUE(eventually([&] { return bench.script->opened > 3; }));
+  (*app)->stop();
+  EXPECT_EQ(bench.sink.frames.size(), 3u);
+  EXPECT_EQ((*app)->counters().reopened.load(), 0);
+}
+
+TEST(App, DoesNotStartWithoutItsCamera) {
+  Bench bench;
+  bench.script->refuse_opens_from = 0;
+  bench.script->refuse_opens = 1;
+  const auto app = bench.start();
+  ASSERT_FALSE(app);
+  EXPECT_THAT(app.error().message, testing::AllOf(testing::HasSubstr("front"), testing::HasSubstr("plug it in")));
+}
+
+TEST(App, StartsAndStopsFiftyTimesEachWithinTwoSeconds) {
+  for (int i = 0; i < 50; ++i) {
+    Bench bench;
+    bench.script->repeat = true;
+    bench.script->paced = true;
+    bench.script->period = kNsPerMs;
+    auto app = bench.start();
+    ASSERT_TRUE(app);
+    std::this_thread::sleep_for(std::chrono::milliseconds(i % 5));
+    const TimeNs begun = monotonic_now();
+    (*app)->stop();
+    EXPECT_LT(to_seconds(monotonic_now() - begun), 2.0);
+    EXPECT_EQ(bench.script->opened.load(), bench.script->closed.load());
+    EXPECT_EQ(static_cast<std::int64_t>(bench.sink.frames.size()),
+              (*app)->counters().tracked.load() + (*app)->counters().lost.load());
+  }
+}
+
+TEST(App, ReportsAChangeOfStateAtOnceAndTheLastCountsAtTheEnd) {
+  Bench bench;
+  bench.config.daemon.health_period_s = 5.0;
+  bench.script->frames(20);
+  bench.run_to_end();
+  ASSERT_GE(bench.sink.reports.size(), 2u);
+  EXPECT_EQ(bench.sink.reports.front().state, TrackState::ok);
+  EXPECT_EQ(bench.sink.reports.back().frames_tracked, 20);
+  EXPECT_GT(bench.sink.reports.back().memory_rss_mb, 1.0);
+}
+
+TEST(App, StartsWhereItIsTold) {
+  Bench bench;
+  bench.config.start.translation_m = {1.0, 2.0, 3.0};
+  bench.script->frames(1);
+  bench.run_to_end();
+  EXPECT_LT((bench.sink.frames.at(0).pose.T_world_body.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-9);
+  const Rigid3 T = bench.sink.frames.at(0).pose.T_world_camera;
+  EXPECT_LT(rotation_angle_rad(T.inverse() * level_forward_camera()), 1e-9);
+}
+
+TEST(Mount, IsTheConfigurationsElseTheDriversElseLevelAndForward) {
+  SensorConfig config;
+  SensorCalibration calibration;
+  EXPECT_LT(rotation_angle_rad(mount_of(config, calibration).inverse() * level_forward_camera()), 1e-12);
+  calibration.T_body_sensor.translation.z() = 0.7;
+  EXPECT_EQ(mount_of(config, calibration).translation.z(), 0.7);
+  config.has_mount = true;
+  config.translation_m = {0.0, 0.0, 0.3};
+  EXPECT_EQ(mount_of(config, calibration).translation.z(), 0.3);
+}
+
+std::atomic<bool> hold_tracking{false};
+
+TEST(TrackingThread, LooksDeadOnlyWhenItHangsOnAFrame) {
+  Bench bench;
+  Pipeline pipeline(bench.config.pipeline, FakeDriver(bench.script).open()->sensors[0], Rigid3{});
+  FrameExchange frames(3);
+  PoseRing poses(16);
+  ProblemRing asked(8), solved(8);
+  Counters counters;
+  hold_tracking = true;
+  TrackingThread tracking(pipeline, frames, poses, asked, solved, counters,
+                          {.frame_taken = [] { hold_tracking.wait(true); }});
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  EXPECT_TRUE(tracking.alive(kNsPerMs));  // a silent camera
+  bench.script->frames(1);
+  FakeDriver(bench.script).next(frames.draft());
+  ASSERT_TRUE(frames.try_submit());
+  EXPECT_TRUE(eventually([&] { return !tracking.alive(20 * kNsPerMs); }));
+  hold_tracking = false;
+  hold_tracking.notify_all();
+  EXPECT_TRUE(eventually([&] { return tracking.alive(20 * kNsPerMs); }));
+}
+
+TEST(FrameExchange, KeepsTheDraftWhenTrackingIsBehind) {
+  FrameExchange frames(2);
+  frames.draft().rgbd.seq = 1;
+  EXPECT_TRUE(frames.try_submit());
+  frames.draft().rgbd.seq = 2;
+  EXPECT_FALSE(frames.try_submit());
+  EXPECT_EQ(frames.draft().rgbd.seq, 2u);
+  EXPECT_TRUE(frames.waiting());
+  EXPECT_EQ(frames.take()->rgbd.seq, 1u);
+  frames.give_back();
+  EXPECT_TRUE(frames.try_submit());
+  frames.close();
+  EXPECT_EQ(frames.take()->rgbd.seq, 2u);
+  EXPECT_EQ(frames.take(), nullptr);
+}
+
+}  // namespace
+}  // namespace povslam

@@ -1,0 +1,147 @@
+#include "drivers/synthetic/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "drivers/synthetic/ground.hpp"
+#include "drivers/synthetic/raster.hpp"
+#include "tests/drivers/synthetic/support.hpp"
+
+namespace povslam::synthetic {
+
+namespace {
+
+struct Laid {
+  SyntheticOptions options;
+  RobotMotion motion;
+  Scene scene;
+};
+
+Laid lay(const std::string& name, std::uint64_t seed) {
+  SyntheticOptions options = small_options(name, seed);
+  RobotMotion motion(scene_path(name, seed), options.speed_mps, seed);
+  Result<Scene> scene = build_scene(options, motion);
+  EXPECTS(scene);
+  return {options, motion, std::move(*scene)};
+}
+
+int count(const Scene& scene, Change change) {
+  return static_cast<int>(std::count_if(scene.objects.begin(), scene.objects.end(),
+                                        [change](const Object& object) { return object.change() == change; }));
+}
+
+bool on_floor(const Object& object, const Placement& place) {
+  return place.position.z() - 0.5 * object.size_m.z() < 1e-6;
+}
+
+// Whether the object, standing there, wins any pixel of the full camera at that time, all others where they are then.
+bool wins_a_pixel(const Laid& laid, std::size_t index, const Placement& place, double time_s) {
+  const View view(SyntheticOptions{}.camera, laid.motion.T_world_camera(time_s));
+  std::vector<ProjectedFace> faces;
+  for (std::size_t i = 0; i < laid.scene.objects.size(); ++i) {
+    view.add_faces(laid.scene.objects[i], static_cast<int>(i), i == index ? place : laid.scene.objects[i].at(time_s),
+                   faces);
+  }
+  Raster raster;
+  raster.cast(view, faces);
+  const auto hits = raster.hit().pixels();
+  return std::any_of(hits.begin(), hits.end(), [&](std::int32_t hit) {
+    return hit >= Raster::kFirstFace &&
+           faces[static_cast<std::size_t>(hit - Raster::kFirstFace)].object == static_cast<int>(index);
+  });
+}
+
+}  // namespace
+
+class SceneNamed : public testing::TestWithParam<const char*> {};
+
+TEST_P(SceneNamed, KeepsThingsApartAndOffThePathBeforeAndAfter) {
+  const Laid laid = lay(GetParam(), 4);
+  const std::vector<Eigen::Vector2d> path = sample_path(laid.scene.path);
+  const auto& objects = laid.scene.objects;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].class_id == ClassId::goods) continue;  // they stand in racks
+    for (const Placement& place : {objects[i].before, objects[i].after}) {
+      if (!place.present || !on_floor(objects[i], place)) continue;
+      EXPECT_GE(clearance_m(footprint(objects[i], place), path), 0.4) << objects[i].id;
+      for (std::size_t j = 0; j < objects.size(); ++j) {
+        for (const Placement& other : {objects[j].before, objects[j].after}) {
+          if (i == j || !other.present || objects[j].class_id == ClassId::goods || objects[i].class_id == ClassId::wall)
+            continue;
+          EXPECT_FALSE(overlap(footprint(objects[i], place), footprint(objects[j], other), 0.0))
+              << objects[i].id << ' ' << objects[j].id;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(SceneNamed, ChangesOnlyWhatTheCameraDoesNotSee) {
+  const Laid laid = lay(GetParam(), 4);
+  for (std::size_t i = 0; i < laid.scene.objects.size(); ++i) {
+    const Object& object = laid.scene.objects[i];
+    if (object.change() == Change::unchanged) continue;
+    EXPECT_GT(object.switch_time_s, 0.3 * laid.motion.lap_end_s(1.0));
+    EXPECT_LE(object.switch_time_s, laid.motion.lap_end_s(1.5));
+    for (const double around_s : {-0.1, 0.0, 0.1}) {
+      const double t = object.switch_time_s + around_s;
+      EXPECT_FALSE(object.before.present && wins_a_pixel(laid, i, object.before, t)) << object.id << " is seen leaving";
+      EXPECT_FALSE(object.after.present && wins_a_pixel(laid, i, object.after, t)) << object.id << " is seen coming";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SceneNamed, testing::Values("boxsim", "aisle", "majority", "adversarial"));
+
+TEST(BoxScenes, HaveSeventeenBoxesOfWhichTheRightNumberMoves) {
+  for (const auto& [name, moved] : {std::pair{"boxsim", 6}, {"static", 0}, {"majority", 11}, {"adversarial", 6}}) {
+    const Laid laid = lay(name, 2);
+    EXPECT_EQ(laid.scene.objects.size(), 17U);
+    EXPECT_EQ(count(laid.scene, Change::moved), moved) << name;
+    for (const Object& object : laid.scene.objects) {
+      EXPECT_GE(object.size_m.minCoeff(), 0.5);
+      EXPECT_LE(object.size_m.maxCoeff(), 1.2);
+      const double shift_m = (object.after.position - object.before.position).norm();
+      if (object.change() != Change::moved) continue;
+      EXPECT_TRUE(shift_m >= 0.5 && shift_m <= 1.5) << shift_m;
+    }
+  }
+}
+
+TEST(BoxScenes, AreTheSameBeforeTheChangeForOneSeed) {
+  const Laid a = lay("boxsim", 2), b = lay("static", 2);
+  for (std::size_t i = 0; i < a.scene.objects.size(); ++i) {
+    EXPECT_EQ(a.scene.objects[i].before.position, b.scene.objects[i].before.position);
+  }
+  EXPECT_NE(lay("static", 3).scene.objects[0].before.position, b.scene.objects[0].before.position);
+}
+
+TEST(BoxScenes, AdversarialBoxesShareOneShift) {
+  const Laid laid = lay("adversarial", 5);
+  std::vector<Eigen::Vector3d> shifts;
+  for (const Object& object : laid.scene.objects) {
+    if (object.change() == Change::moved) shifts.push_back(object.after.position - object.before.position);
+  }
+  for (const Eigen::Vector3d& shift : shifts) EXPECT_LT((shift - shifts.front()).norm(), 1e-9);
+}
+
+TEST(AisleScene, HasEveryKindOfChangeAndPeopleWhenAsked) {
+  const Laid laid = lay("aisle", 1);
+  for (const Change change : {Change::moved, Change::removed, Change::appeared})
+    EXPECT_GE(count(laid.scene, change), 1);
+  SyntheticOptions options = small_options("aisle", 1);
+  options.movers = 3;
+  const Result<Scene> scene = build_scene(options, laid.motion);
+  ASSERT_TRUE(scene);
+  int people = 0;
+  for (const Object& object : scene->objects) {
+    if (!object.walk) continue;
+    ++people;
+    EXPECT_GT((object.at(10.0).position - object.at(10.4).position).norm(), 0.01);
+    EXPECT_LT((object.at(10.0).position - object.at(10.1).position).norm(), 0.12);
+  }
+  EXPECT_EQ(people, 3);
+}
+
+}  // namespace povslam::synthetic

@@ -1,0 +1,182 @@
+#include "tools/povslam/scores/scene_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tools/povslam/scores/event_score.hpp"
+#include "tools/povslam/scores/object_score.hpp"
+
+namespace povslam::scores {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+// Of an upright box only the turn about z is kept: both worlds are level.
+OrientedBox moved(const Rigid3& T, const OrientedBox& box) {
+  const Eigen::Vector3d forward = T.rotation * Eigen::Vector3d(std::cos(box.yaw_rad), std::sin(box.yaw_rad), 0.0);
+  return {T * box.center_world, box.size_m, std::atan2(forward.y(), forward.x())};
+}
+
+std::vector<PlaceChange> true_changes(const SceneTruth& truth, const Sightings* sightings, std::size_t min_frames) {
+  std::vector<PlaceChange> changes;
+  const bool known = sightings != nullptr && sightings->have_instances;
+  for (std::size_t i = 0; i < truth.objects.size(); ++i) {
+    const TrueObject& object = truth.objects[i];
+    if (!object.changed) continue;
+    const ObjectSightings seen = known ? sightings->objects[i] : ObjectSightings{};
+    if (object.before) {
+      changes.push_back({Fate::gone, object.class_name, *object.before, !known || seen.old_place_after >= min_frames});
+    }
+    if (object.after) {
+      changes.push_back({Fate::came, object.class_name, *object.after, !known || seen.object_after >= min_frames});
+    }
+  }
+  return changes;
+}
+
+std::vector<ScoredObject> true_objects(const SceneTruth& truth, const Sightings* sightings,
+                                       const SceneReportOptions& options) {
+  std::vector<ScoredObject> objects;
+  const bool known = sightings != nullptr && sightings->have_instances;
+  for (std::size_t i = 0; i < truth.objects.size(); ++i) {
+    const bool before = options.arrangement == Arrangement::before;
+    const std::optional<OrientedBox>& box = before ? truth.objects[i].before : truth.objects[i].after;
+    if (!box) continue;
+    const ObjectSightings seen = known ? sightings->objects[i] : ObjectSightings{};
+    const std::size_t frames = before ? seen.object_before : seen.object_after;
+    objects.push_back({truth.objects[i].class_name, *box, !known || frames >= options.min_frames});
+  }
+  return objects;
+}
+
+Json counts_json(const Verdict& verdict) {
+  return {{"truth", verdict.truth},
+          {"reported", verdict.reported},
+          {"matched", verdict.matched.size()},
+          {"excused", verdict.excused}};
+}
+
+double ratio(const Json& section, const char* part, const char* whole) {
+  return section.at(part).get<double>() / section.at(whole).get<double>();
+}
+
+VoxelSet without_floor(VoxelSet voxels, const SceneReportOptions& options) {
+  drop_floor(voxels, options.floor_z_m, options.voxel_size_m);
+  return voxels;
+}
+
+Result<VoxelSet> map_voxels(PlyMesh map, const Rigid3& T_truth_estimate, const SceneReportOptions& options) {
+  for (Eigen::Vector3d& vertex : map.vertices) vertex = T_truth_estimate * vertex;
+  Result<VoxelSet> voxels = voxels_of_mesh(map, options.voxel_size_m);
+  if (voxels) drop_floor(*voxels, options.floor_z_m, options.voxel_size_m);
+  return voxels;
+}
+
+Json voxels_json(const VoxelSet& truth, const VoxelSet& map, const VoxelSet& excused,
+                 const SceneReportOptions& options) {
+  const std::int32_t first_layer = voxel_at({0.0, 0.0, options.floor_z_m}, options.voxel_size_m).z + 1;
+  const VoxelCounts counts = score_voxels(truth, map, excused, first_layer);
+  Json json{{"true_positive", counts.true_positive},
+            {"false_positive", counts.false_positive},
+            {"false_negative", counts.false_negative},
+            {"false_positive_in_box", counts.false_positive_in_box},
+            {"true_negative", counts.true_negative}};
+  if (!excused.empty()) json["excused"] = counts.excused;
+  add_ratios(json);
+  return json;
+}
+
+}  // namespace
+
+void add_ratios(Json& section) {
+  const auto set = [&section](const char* key, const char* part, const char* whole) {
+    section[key] = section.at(whole).get<double>() > 0.0 ? Json(ratio(section, part, whole)) : Json(nullptr);
+  };
+  if (section.contains("matched")) {
+    set("precision", "matched", "reported");
+    set("recall", "matched", "truth");
+    return;
+  }
+  const double tp = section.at("true_positive"), fp = section.at("false_positive"), fn = section.at("false_negative");
+  const double in_box = section.at("false_positive_in_box"), tn = section.at("true_negative");
+  const auto share = [](double part, double rest) {
+    return part + rest > 0.0 ? Json(part / (part + rest)) : Json(nullptr);
+  };
+  section["precision"] = share(tp, fp);
+  section["recall"] = share(tp, fn);
+  section["false_positive_rate"] = share(in_box, tn);
+}
+
+Json report_events(const SceneTruth& truth, const Sightings* sightings, const std::vector<ReportedEvent>& events,
+                   const Rigid3& T_truth_estimate, const SceneReportOptions& options) {
+  std::vector<PlaceChange> reported = changes_of(events);
+  for (PlaceChange& change : reported) change.box = moved(T_truth_estimate, change.box);
+  const Verdict verdict =
+      score_events(join_touching(true_changes(truth, sightings, options.min_frames), options.touch_gap_m),
+                   join_touching(reported, options.touch_gap_m), options.max_distance_m);
+  Json json = counts_json(verdict);
+  add_ratios(json);
+  double sum_m = 0.0;
+  for (const MatchedPair& pair : verdict.matched) sum_m += pair.cost;
+  if (!verdict.matched.empty()) json["mean_distance_m"] = sum_m / static_cast<double>(verdict.matched.size());
+  json["events"] = events.size();
+  return json;
+}
+
+Json report_objects(const SceneTruth& truth, const Sightings* sightings, const std::vector<ReportedObject>& objects,
+                    const Rigid3& T_truth_estimate, const SceneReportOptions& options) {
+  std::vector<ScoredObject> reported;
+  for (const ReportedObject& object : objects)
+    reported.push_back({object.class_name, moved(T_truth_estimate, object.box)});
+  reported = join_touching(reported, options.touch_gap_m);
+  const std::vector<ScoredObject> wanted = join_touching(true_objects(truth, sightings, options), options.touch_gap_m);
+  const Verdict verdict = score_objects(wanted, reported, options.min_iou);
+  Json json = counts_json(verdict);
+  add_ratios(json);
+  if (verdict.matched.empty()) return json;
+  double iou = 0.0, position_m = 0.0, yaw_rad = 0.0;
+  std::size_t same_class = 0;
+  for (const MatchedPair& pair : verdict.matched) {
+    const ScoredObject &is = wanted[pair.truth], &said = reported[pair.reported];
+    iou += 1.0 - pair.cost;
+    position_m += (is.box.center_world - said.box.center_world).norm();
+    yaw_rad += yaw_difference_mod_half_turn(is.box.yaw_rad, said.box.yaw_rad);
+    same_class += is.class_name == said.class_name ? 1 : 0;
+  }
+  const double count = static_cast<double>(verdict.matched.size());
+  json["of_right_class"] = same_class;
+  json["mean_iou"] = iou / count;
+  json["mean_position_error_m"] = position_m / count;
+  json["mean_yaw_error_deg"] = yaw_rad / count * kDegPerRad;
+  return json;
+}
+
+Result<Json> report_voxels(const PlyMesh& true_surface, const std::vector<std::size_t>& surface_frames,
+                           const PlyMesh& map, const Rigid3& T_truth_estimate, const SceneReportOptions& options) {
+  EXPECTS(surface_frames.size() == true_surface.vertices.size());
+  std::vector<Eigen::Vector3d> seen;
+  for (std::size_t i = 0; i < surface_frames.size(); ++i) {
+    if (surface_frames[i] >= kMaxPointFrames) seen.push_back(true_surface.vertices[i]);
+  }
+  const VoxelSet truth = without_floor(voxels_of_points(seen, options.voxel_size_m), options);
+  const VoxelSet all = without_floor(voxels_of_points(true_surface.vertices, options.voxel_size_m), options);
+  const Result<VoxelSet> mapped = map_voxels(map, T_truth_estimate, options);
+  if (!mapped) return mapped.error();
+  Json json = voxels_json(truth, *mapped, {}, options);
+  json["unseen_true_surface_excused"] = voxels_json(truth, *mapped, all, options);
+  return json;
+}
+
+Result<Json> report_voxels_against_map(const PlyMesh& reference, const PlyMesh& map, const Rigid3& T_truth_estimate,
+                                       const SceneReportOptions& options) {
+  const Result<VoxelSet> truth = map_voxels(reference, Rigid3{}, options);
+  if (!truth) return truth.error();
+  const Result<VoxelSet> mapped = map_voxels(map, T_truth_estimate, options);
+  if (!mapped) return mapped.error();
+  return voxels_json(*truth, *mapped, {}, options);
+}
+
+}  // namespace povslam::scores

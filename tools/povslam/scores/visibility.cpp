@@ -1,0 +1,129 @@
+#include "tools/povslam/scores/visibility.hpp"
+
+#include <cmath>
+
+#include "drivers/replay/image_file.hpp"
+#include "drivers/replay/text_file.hpp"
+#include "tools/povslam/progress.hpp"
+
+namespace povslam::scores {
+namespace {
+
+constexpr double kObjectShareOfImage = 0.0005;
+constexpr int kGrid = 5;
+constexpr double kSeenThroughShare = 0.2;
+
+double depth_tolerance_m(double z_m) {
+  return 0.05 + 3.0 * 0.0025 * z_m * z_m;
+}
+
+struct DepthAt {
+  double expected_m = 0.0, measured_m = 0.0;
+};
+
+// Nothing: outside of the image, behind the camera, or not measured there.
+std::optional<DepthAt> look_at(const TrueView& view, const Eigen::Vector3d& p_world) {
+  const Eigen::Vector3d p_camera = view.T_camera_world * p_world;
+  const std::optional<Eigen::Vector2d> pixel = view.camera->project(p_camera);
+  if (!pixel || !view.camera->contains(*pixel)) return std::nullopt;
+  const std::uint16_t units =
+      view.depth->at(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
+  if (units == 0) return std::nullopt;
+  return DepthAt{p_camera.z(), units / view.depth_scale};
+}
+
+void count_objects(const TrueView& view, const SceneTruth& truth, std::vector<ObjectSightings>& counts) {
+  std::map<int, std::size_t> pixels = instance_pixels(*view.instances);
+  const double least = kObjectShareOfImage * static_cast<double>(view.instances->size());
+  for (std::size_t i = 0; i < truth.objects.size(); ++i) {
+    const TrueObject& object = truth.objects[i];
+    const bool after = !object.changed || view.stamp > object.switch_time;
+    const bool before = !object.changed || view.stamp <= object.switch_time;
+    if (static_cast<double>(pixels[object.id]) >= least) {
+      ++counts[i].object_ever;
+      counts[i].object_after += after ? 1 : 0;
+      counts[i].object_before += before ? 1 : 0;
+    }
+    if (object.changed && after && object.before && sees_place_empty(view, *object.before)) ++counts[i].old_place_after;
+  }
+}
+
+void count_points(const TrueView& view, std::span<const Eigen::Vector3d> points_world,
+                  std::vector<std::size_t>& counts) {
+  for (std::size_t i = 0; i < points_world.size(); ++i) {
+    if (counts[i] < kMaxPointFrames && sees_point(view, points_world[i])) ++counts[i];
+  }
+}
+
+Result<std::vector<StampedPose>> true_poses(const std::filesystem::path& sequence) {
+  return read_trajectory(sequence / "groundtruth.txt");
+}
+
+std::filesystem::path instance_file(const std::filesystem::path& sequence, const SequenceEntry& entry) {
+  return sequence / "instance" / (std::filesystem::path(entry.file).stem().string() + ".png");
+}
+
+}  // namespace
+
+bool sees_place_empty(const TrueView& view, const OrientedBox& place) {
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(place.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  int through = 0;
+  for (int i = 0; i < kGrid * kGrid * kGrid; ++i) {
+    const Eigen::Vector3d cell(i % kGrid, i / kGrid % kGrid, i / (kGrid * kGrid));
+    const Eigen::Vector3d share = ((cell.array() + 0.5) / kGrid - 0.5).matrix();
+    const std::optional<DepthAt> depth = look_at(view, place.center_world + R * share.cwiseProduct(place.size_m));
+    if (depth && depth->measured_m > depth->expected_m + depth_tolerance_m(depth->expected_m)) ++through;
+  }
+  return through >= kSeenThroughShare * kGrid * kGrid * kGrid;
+}
+
+bool sees_point(const TrueView& view, const Eigen::Vector3d& p_world) {
+  const std::optional<DepthAt> depth = look_at(view, p_world);
+  return depth && std::abs(depth->measured_m - depth->expected_m) <= depth_tolerance_m(depth->expected_m);
+}
+
+std::map<int, std::size_t> instance_pixels(const ImageU16& instances) {
+  std::vector<std::size_t> histogram(65536, 0);
+  for (const std::uint16_t id : instances.pixels()) ++histogram[id];
+  std::map<int, std::size_t> pixels;
+  for (int id = 0; id < 65536; ++id) {
+    if (histogram[id] > 0) pixels[id] = histogram[id];
+  }
+  return pixels;
+}
+
+Result<Sightings> count_sightings(const std::filesystem::path& sequence, const SceneTruth& truth,
+                                  std::span<const Eigen::Vector3d> surface_points_world) {
+  const Result<Sequence> frames = read_sequence({sequence, "", LabelChoice::off, 0.02});
+  if (!frames) return frames.error();
+  const SequenceSensor& sensor = frames->sensors.front();
+  if (sensor.depth) return Error{sequence.string() + ": visibility is only counted with depth registered to colour"};
+  const Result<std::vector<StampedPose>> poses = true_poses(sequence);
+  if (!poses) return poses.error();
+  const PinholeCamera& camera = sensor.calibration.camera;
+  const ImageSize size{camera.width, camera.height};
+  Sightings sightings;
+  sightings.objects.resize(truth.objects.size());
+  sightings.points.assign(surface_points_world.size(), 0);
+  ImageReader reader;
+  ImageU16 depth, instances;
+  Progress progress("looking at the truth", sensor.entries.size());
+  for (const SequenceEntry& entry : sensor.entries) {
+    progress.step();
+    const std::optional<Rigid3> pose = pose_at(*poses, entry.stamp, 0.1);
+    if (!pose) continue;
+    if (const Status read = reader.read_u16(entry.second_file, size, depth); !read) return read.error();
+    TrueView view{entry.stamp, pose->inverse(), &camera, &depth, sensor.calibration.depth_scale, nullptr};
+    const std::filesystem::path instance = instance_file(sequence, entry);
+    if (is_file(instance)) {
+      if (const Status read = reader.read_u16(instance, size, instances); !read) return read.error();
+      view.instances = &instances;
+      sightings.have_instances = true;
+      count_objects(view, truth, sightings.objects);
+    }
+    if (entry.stamp > truth.lap1_end) count_points(view, surface_points_world, sightings.points);
+  }
+  return sightings;
+}
+
+}  // namespace povslam::scores
