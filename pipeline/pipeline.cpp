@@ -7,7 +7,7 @@ namespace povslam {
 struct Pipeline::Impl {
   Impl(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start)
       : T_camera_body(calibration.T_body_sensor.inverse()),
-        tracker(calibration.camera, options.frontend, T_world_body_start * calibration.T_body_sensor) {
+        tracker(calibration, options.frontend, T_world_body_start * calibration.T_body_sensor) {
     T_odom_start = T_world_body_start * calibration.T_body_sensor;
   }
 

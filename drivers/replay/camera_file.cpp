@@ -114,6 +114,7 @@ CameraFile camera(const YAML::Node& root) {
             {"distortion", to(c.distortion, numbers<5>)},
             {"depth_scale", [&](const YAML::Node& v) { file.depth_scale = positive(v), depth_scale = true; }},
             {"fps", to(file.fps, positive)},
+            {"rolling_shutter_s", to(file.rolling_shutter_s, number)},
             {"gravity_world",
              [&](const YAML::Node& v) {
                const auto g = numbers<3>(v);

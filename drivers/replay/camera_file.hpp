@@ -6,6 +6,7 @@
 //   distortion: [k1, k2, p1, p2, k3]      optional, default none
 //   depth_scale: 5000              depth units per metre
 //   fps: 30                        Hz, optional
+//   rolling_shutter_s: 0.026       s from the first row's exposure to the last row's, optional, default 0
 //   gravity_world: [0, 0, -1]      which way is down in the world of groundtruth.txt, optional
 // A depth camera that is not registered to colour (its depth is then warped into the colour camera when read):
 //   depth_width, depth_height      px, optional, default as colour
@@ -35,6 +36,7 @@ struct CameraFile {
   PinholeCamera color;
   double depth_scale = 1000.0;  // units per metre
   double fps = 30.0;            // Hz
+  double rolling_shutter_s = 0.0;
   std::optional<Eigen::Vector3d> gravity_world;
   std::optional<DepthCamera> depth;  // nothing: depth is registered to colour
 };

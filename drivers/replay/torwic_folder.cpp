@@ -100,7 +100,7 @@ std::vector<SequenceEntry> entries_in(const fs::path& folder, const char* extens
 
 SequenceSensor camera_sensor(const fs::path& folder, const Side& side, const FrameTimes& times) {
   SequenceSensor sensor;
-  sensor.calibration = {side.name, SensorKind::rgbd, side.camera, kDepthScale, kRate_hz, side.T_body_camera};
+  sensor.calibration = {side.name, SensorKind::rgbd, side.camera, kDepthScale, kRate_hz, 0.0, side.T_body_camera};
   sensor.entries = entries_in(folder / (std::string("image_") + side.name), ".png", times);
   const std::vector<SequenceEntry> depth = entries_in(folder / (std::string("depth_") + side.name), ".png", times);
   for (std::size_t i = 0; i < depth.size(); ++i) sensor.entries[i].second_file = depth[i].file;
@@ -142,7 +142,7 @@ Result<Sequence> read_torwic_folder(const SequenceOptions& options) {
   }
   if (is_folder(folder / "lidar")) {
     SequenceSensor lidar;
-    lidar.calibration = {"lidar", SensorKind::lidar, {}, kDepthScale, kRate_hz, {}};
+    lidar.calibration = {"lidar", SensorKind::lidar, {}, kDepthScale, kRate_hz, 0.0, {}};
     lidar.entries = entries_in(folder / "lidar", ".pcd", *times);
     sequence.sensors.push_back(std::move(lidar));
   }

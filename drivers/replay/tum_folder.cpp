@@ -78,6 +78,7 @@ SequenceSensor rgbd_sensor(const CameraFile& camera, std::string name, const Rig
   sensor.calibration.camera = camera.color;
   sensor.calibration.depth_scale = camera.depth_scale;
   sensor.calibration.fps = camera.fps;
+  sensor.calibration.rolling_shutter_s = camera.rolling_shutter_s;
   sensor.calibration.T_body_sensor = T_body_camera;
   sensor.depth = camera.depth;
   return sensor;

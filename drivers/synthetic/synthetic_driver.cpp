@@ -135,14 +135,14 @@ namespace synthetic {
 
 std::vector<SensorCalibration> sensor_calibrations(const SyntheticOptions& options) {
   SensorCalibration camera{"front", SensorKind::rgbd, options.camera,
-                           1000.0,  options.fps,      RobotMotion::T_body_camera()};
+                           1000.0, options.fps, 0.0, RobotMotion::T_body_camera()};
   std::vector<SensorCalibration> sensors{camera};
   if (options.labels) {
     sensors.push_back(
-        {"labels", SensorKind::labels, options.camera, 1000.0, options.fps, RobotMotion::T_body_camera()});
+        {"labels", SensorKind::labels, options.camera, 1000.0, options.fps, 0.0, RobotMotion::T_body_camera()});
   }
   if (options.lidar) {
-    sensors.push_back({"lidar", SensorKind::lidar, {}, 1000.0, Lidar::kRate_hz, RobotMotion::T_body_lidar()});
+    sensors.push_back({"lidar", SensorKind::lidar, {}, 1000.0, Lidar::kRate_hz, 0.0, RobotMotion::T_body_lidar()});
   }
   return sensors;
 }

@@ -31,15 +31,15 @@ class [[nodiscard]] Result {
 
   T& value() {
     EXPECTS(*this);
-    return *std::get_if<T>(&state_);
+    return std::get<T>(state_);
   }
   const T& value() const {
     EXPECTS(*this);
-    return *std::get_if<T>(&state_);
+    return std::get<T>(state_);
   }
   const Error& error() const {
     EXPECTS(!*this);
-    return *std::get_if<Error>(&state_);
+    return std::get<Error>(state_);
   }
 
  private:

@@ -19,6 +19,7 @@ struct SensorCalibration {
   PinholeCamera camera;         // rgbd: the colour camera; depth is registered to it
   double depth_scale = 1000.0;  // rgbd: units per metre
   double fps = 30.0;            // nominal rate [Hz]
+  double rolling_shutter_s = 0.0;  // rgbd: the last row is read this long after the first; 0 = all rows at once
   Rigid3 T_body_sensor;         // body: x forward, z up; camera: x right, y down, z forward
 };
 

@@ -2,45 +2,46 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+
+#include "pipeline/frontend/pose_covariance.hpp"
 
 namespace povslam {
 
 namespace {
-constexpr int kMinToStart = 80;        // features with depth to begin a map
-constexpr int kMinFromMotion = 20;     // matches that make a motion search worth solving
-constexpr double kMinFitting = 0.4;    // share of the matches that must agree on the pose
-constexpr double kMinAgreement = 0.5;  // of thumbnails before the turn they tell is believed
-constexpr int kMinToRelocalise = 40;   // fitting landmarks before a found place is believed
-constexpr int kSearchedPerFrame = 3;   // keyframes tried each frame while lost
-constexpr float kLocalRadiusPx = 4.0F;
-constexpr double kMaxViewAngleCos = 0.45;
-constexpr std::int32_t kPointOfLast = 1 << 30;  // matcher tags: landmark slots, or this + feature of the last frame
-
-double level_offset(double distance_ratio, double log_scale) { return std::log(distance_ratio) / log_scale; }
+constexpr int kMinToStart = 80;         // features with depth to begin a map
+constexpr int kMinFromLast = 20;        // points of the last frame that must agree on a pose…
+constexpr double kMinFitting = 0.4;     // …and their share of those matched
+constexpr double kMinAgreement = 0.5;   // of thumbnails before the turn they tell is believed
+constexpr int kMinToRelocalise = 40;    // fitting landmarks before a found place is believed
+constexpr int kSearchedPerFrame = 3;    // keyframes tried each frame while lost
+constexpr float kWide = 4.0F;           // widening of the local search around a found place
+constexpr double kUnseenSpeedMps = 1.0;  // how fast the pose may leave us while nothing is seen
+constexpr double kUnseenTurnRadps = 1.0;
 }  // namespace
 
-Tracker::Tracker(const PinholeCamera& camera, const FrontendOptions& options, const Rigid3& T_world_camera_start)
-    : camera_(camera),
+Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& options,
+                 const Rigid3& T_world_camera_start)
+    : camera_(calibration.camera),
+      rolling_shutter_s_(calibration.rolling_shutter_s),
       options_(options),
-      builder_(camera, options),
+      T_world_camera_start_(T_world_camera_start),
+      builder_(camera_, options),
       map_(options.orb.num_features, options.map, builder_.level_scales()),
       local_map_(options.map),
-      keyframer_(camera, options),
-      smooth_exchange_(camera, options),
-      relocaliser_(camera, options),
+      search_(camera_, options),
       matcher_(options.orb.num_features),
-      turn_prior_(camera),
+      turn_prior_(camera_),
+      refiner_(camera_, options),
       depth_noise_(static_cast<std::size_t>(options.orb.num_features)),
-      patch_noise_(static_cast<std::size_t>(options.orb.num_features)),
-      placed_level_scale_(static_cast<std::size_t>(options.orb.num_features)),
-      frame_(camera, options),
-      last_(camera, options),
-      T_world_camera_start_(T_world_camera_start) {
+      keyframer_(camera_, options),
+      relocaliser_(camera_, options),
+      smooth_exchange_(camera_, options),
+      frame_(camera_, options),
+      last_(camera_, options) {
   observations_.reserve(static_cast<std::size_t>(options.orb.num_features));
   observed_feature_.reserve(static_cast<std::size_t>(options.orb.num_features));
   smooth_exchange_.reserve(problem_);
+  result_.T_world_camera = T_world_camera_start;
 }
 
 const TrackResult& Tracker::track(const RgbdFrame& input) {
@@ -49,29 +50,17 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
   apply_answer();
   std::swap(frame_, last_);
   builder_.build(input, depth_noise_.value(), frame_);
-  std::fill(placed_level_scale_.begin(), placed_level_scale_.end(), 0.0F);
   frame_.index = frame_index_++;
   turn_prior_.look(builder_.images());
-  const TimeNs built = thread_cpu_now();
+  refiner_.start(frame_);
   result_.num_features = frame_.size();
-  bool tracked = false;
+  const TimeNs built = thread_cpu_now();
+  TimeNs posed = built;
   if (result_.state == TrackState::initialising) {
-    start_map();
-    tracked = result_.state != TrackState::initialising;
-  } else if (result_.state == TrackState::lost) {
-    tracked = relocalise();
+    if (start_map()) name_reference();
   } else {
-    const Rigid3 predicted = predict();
-    frame_.T_camera_world = predicted;
-    compensate_motion();
-    tracked = track_motion(predicted);
-    last_matches_ = tracked ? solution_.num_inliers : 0;
-    if (tracked) compensate_motion();
-    tracked = tracked && track_local_map(false);
-    if (!tracked) tracked = relocalise();
-  }
-  const TimeNs posed = thread_cpu_now();
-  if (result_.state != TrackState::initialising) {
+    const bool tracked = track_frame();
+    posed = thread_cpu_now();
     update_state(tracked);
     if (tracked) upkeep();
   }
@@ -81,107 +70,109 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
   return result_;
 }
 
-void Tracker::start_map() {
+bool Tracker::start_map() {
   int with_depth = 0;
   for (int i = 0; i < frame_.size(); ++i) with_depth += frame_.has_depth(i) ? 1 : 0;
-  result_.T_world_camera = T_world_camera_start_;
-  if (with_depth < kMinToStart) return;
+  if (with_depth < kMinToStart) return false;
   frame_.T_camera_world = T_world_camera_start_.inverse();
   newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, Matrix6d::Zero(), -1);
   reference_id_ = map_.keyframe(newest_keyframe_).id;
   result_.state = TrackState::ok;
   result_.keyframe = true;
   result_.num_landmarks = map_.num_landmarks();
-  result_.reference_keyframe = reference_id_;
-  result_.T_reference_camera = Rigid3{};
+  return true;
 }
 
-Rigid3 Tracker::predict() const {
-  if (!have_velocity_ || velocity_span_ <= 0) return last_.T_camera_world;
-  // The same speed over the time that really passed (a dropped frame doubles it).
-  const double share = std::clamp(to_seconds(frame_.stamp - last_.stamp) / to_seconds(velocity_span_), 0.0, 4.0);
-  return se3_exp(share * se3_log(velocity_)) * last_.T_camera_world;
+bool Tracker::track_frame() {
+  if (result_.state == TrackState::lost) return relocalise();
+  const bool followed = track_from_last() && track_local_map(frame_.T_camera_world, 1.0F);
+  return followed || relocalise();
 }
 
-bool Tracker::track_motion(const Rigid3& predicted) {
+// A start is good when most of what the last frame saw is found again where it says; else others are tried.
+bool Tracker::track_from_last() {
   const float radius = static_cast<float>(options_.track.search_radius_px);
-  // A prediction is good when most of what the last frame saw is found again where it says.
-  const int strong = std::max(kMinFromMotion, last_matches_ / 2);
-  const int best = match_last(predicted, radius);
-  if (best >= strong) return true;
+  const int strong = std::max(kMinFromLast, matches_of_last_ / 2);
+  const Rigid3 predicted = motion_.predict(frame_.stamp - last_.stamp).inverse() * last_.T_camera_world;
+  const auto good = [this](int found, int wanted) {
+    if (found >= wanted) matches_of_last_ = found;
+    return found >= wanted;
+  };
+  const int first = match_last(predicted, radius);
+  if (good(first, strong)) return true;
   const TurnPrior::Turn turn =
       turn_prior_.estimate((predicted.rotation * last_.T_camera_world.rotation.conjugate()).normalized());
   if (turn.agreement > kMinAgreement) {
     const Rigid3 turned = Rigid3{turn.R_now_before, Eigen::Vector3d::Zero()} * last_.T_camera_world;
-    const int found = match_last(turned, radius);
-    if (found >= strong) return true;
-    if (std::max(found, match_last(turned, 2.0F * radius)) > std::max(best, kMinFromMotion)) return true;
+    if (good(match_last(turned, radius), strong)) return true;
+    if (good(match_last(turned, 2.0F * radius), std::max(first, kMinFromLast))) return true;
   }
-  if (match_last(predicted, 2.0F * radius) >= kMinFromMotion) return true;
-  return match_last(last_.T_camera_world, 4.0F * radius) >= kMinFromMotion;
+  return good(match_last(predicted, 2.0F * radius), kMinFromLast) ||
+         good(match_last(last_.T_camera_world, 4.0F * radius), kMinFromLast);
 }
 
-// Points the last frame saw (landmarks, and what its depth says of other features) searched around their predicted place.
-// Returns how many fit the pose that came out, 0 when none did; the frame then has that pose and its landmarks.
-int Tracker::match_last(const Rigid3& predicted, float radius_px) {
-  matcher_.start(frame_);
-  const Rigid3 T_world_last = last_.T_camera_world.inverse();
-  const double log_scale = map_.num_levels() > 1 ? std::log(map_.level_scale(1)) : 1.0;
-  for (int i = 0; i < last_.size(); ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    const std::int32_t seen = last_.landmark[k];
-    if (seen == kNone && !last_.has_depth(i)) continue;
-    const Eigen::Vector3d p_world =
-        seen != kNone ? map_.landmark(seen).p_world : T_world_last * last_.point_camera(i, camera_);
-    const Eigen::Vector3d p = predicted * p_world;
-    if (p.z() < 0.05) continue;
-    const double distance_last = (last_.T_camera_world * p_world).norm();
-    const int level = last_.features.level[k] + static_cast<int>(std::lround(level_offset(distance_last / p.norm(), log_scale)));
-    MatchCandidate c;
-    c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
-    c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
-    c.radius_px = radius_px * std::sqrt(map_.level_scale(std::clamp(level, 0, map_.num_levels() - 1)));
-    c.min_level = static_cast<std::int8_t>(level - 1);
-    c.max_level = static_cast<std::int8_t>(level + 1);
-    c.descriptor = &last_.features.descriptor[k];
-    c.tag = seen != kNone ? seen : kPointOfLast + i;
-    matcher_.match(frame_, c, kMaxDistance, 0.9);
-  }
-  if (matcher_.count() < kMinFromMotion) return 0;
-  observe_matches(true);
+// Returns how many of the last frame's points fit the pose that came out, 0 when that is no pose to trust; else the
+// frame then has this pose and its landmarks.
+int Tracker::match_last(const Rigid3& T_camera_world, float radius_px) {
+  frame_.T_camera_world = T_camera_world;
+  compensate_shutter();
+  search_.match_last(map_, last_, frame_, T_camera_world, radius_px, matcher_);
+  if (matcher_.count() < kMinFromLast) return 0;
+  observe_matches();
   PoseSolverOptions solver;
   solver.first_gate = 4.0;
-  solution_ = solve_pose(camera_, predicted, observations_, solver);
-  if (!solution_.converged || solution_.num_inliers < kMinFromMotion || solution_.num_inliers < kMinFitting * matcher_.count())
+  const PoseSolution solution = solve_pose(camera_, T_camera_world, observations_, solver);
+  if (!solution.converged || solution.num_inliers < std::max<double>(kMinFromLast, kMinFitting * matcher_.count())) {
     return 0;
-  frame_.T_camera_world = solution_.T_camera_world;
-  std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
-  for (std::size_t o = 0; o < observations_.size(); ++o) {
-    const std::int32_t tag = matcher_.tag_of(observed_feature_[o]);
-    if (observations_[o].fits && tag < kPointOfLast) frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = tag;
   }
-  return solution_.num_inliers;
+  frame_.T_camera_world = solution.T_camera_world;
+  take_landmarks();
+  return solution.num_inliers;
+}
+
+bool Tracker::track_local_map(const Rigid3& T_camera_world, float widening) {
+  frame_.T_camera_world = T_camera_world;
+  compensate_shutter();
+  local_map_.collect(map_, frame_, T_camera_world.inverse());
+  search_.match_local(map_, local_map_, frame_, T_camera_world, widening, matcher_);
+  observe_matches();
+  PoseSolverOptions solver;
+  solver.first_gate = widening > 1.0F ? 9.0 : 2.0;
+  PoseSolution solution = solve_pose(camera_, T_camera_world, observations_, solver);
+  if (solution.converged && refine_matches(solution) > 0) {
+    frame_.T_camera_world = solution.T_camera_world;
+    compensate_shutter();
+    observe_matches();
+    solver.first_gate = 2.0;
+    solution = solve_pose(camera_, solution.T_camera_world, observations_, solver);
+  }
+  if (!solution.converged || solution.num_inliers < options_.track.min_inliers_degraded) return false;
+  take_landmarks();
+  for (int i = 0; i < frame_.size(); ++i) {
+    const std::int32_t seen = frame_.landmark[static_cast<std::size_t>(i)];
+    if (seen != kNone) ++map_.landmark(seen).found;
+  }
+  learn_noise(solution);
+  accept(solution);
+  return true;
 }
 
 // Turns the matcher's pairs into observations for the pose.
-void Tracker::observe_matches(bool with_points_of_last) {
+void Tracker::observe_matches() {
   observations_.clear();
   observed_feature_.clear();
   const Rigid3 T_world_last = last_.T_camera_world.inverse();
   for (int i = 0; i < frame_.size(); ++i) {
     const std::int32_t tag = matcher_.tag_of(i);
     if (tag == kNone) continue;
-    const bool of_last = tag >= kPointOfLast;
-    if (of_last && !with_points_of_last) continue;
     const std::size_t k = static_cast<std::size_t>(i);
     PoseObservation o;
-    double point_variance = 1.0;  // of the point's own inverse depth, in units of a reading's
-    if (of_last) {
+    double point_variance = 1.0;  // of the point's own inverse depth, in units of one reading's
+    if (tag >= kPointOfLast) {
       o.p_world = T_world_last * last_.point_camera(tag - kPointOfLast, camera_);
     } else {
-      const Landmark& point = map_.landmark(tag);
-      o.p_world = point.p_world;
-      point_variance = 1.0 / point.num_sightings;
+      o.p_world = map_.landmark(tag).p_world;
+      point_variance = 1.0 / map_.landmark(tag).num_sightings;
     }
     const double sigma_px = frame_.sigma_px[k];
     o.u_px = frame_.x[k];
@@ -197,240 +188,140 @@ void Tracker::observe_matches(bool with_points_of_last) {
   }
 }
 
-int Tracker::match_local_map(const Rigid3& T_camera_world, bool wide) {
-  matcher_.start(frame_);
-  const Rigid3 T_world_camera = T_camera_world.inverse();
-  const Eigen::Matrix3d R = T_camera_world.matrix3();
-  const double log_scale = map_.num_levels() > 1 ? std::log(map_.level_scale(1)) : 1.0;
-  int visible = 0;
-  for (const LocalLandmark& local : local_map_.landmarks()) {
-    Landmark& point = map_.landmark(local.slot);
-    const Eigen::Vector3d p = R * point.p_world + T_camera_world.translation;
-    if (p.z() < 0.1) continue;
-    MatchCandidate c;
-    c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
-    c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
-    if (!camera_.contains({c.u_px, c.v_px})) continue;
-    const Eigen::Vector3d toward = T_world_camera.translation - point.p_world;
-    const double distance = toward.norm();
-    if (toward.dot(point.toward_camera) < kMaxViewAngleCos * distance) continue;
-    const double level = point.reference_level + level_offset(point.reference_distance_m / distance, log_scale);
-    if (level < -1.5 || level > map_.num_levels() + 0.5) continue;
-    const int nearest_level = std::clamp(static_cast<int>(std::lround(level)), 0, map_.num_levels() - 1);
-    ++visible;
-    ++point.visible;
-    const float radius = wide ? 4.0F * kLocalRadiusPx : (local.remote ? 2.0F * kLocalRadiusPx : kLocalRadiusPx);
-    c.radius_px = radius * map_.level_scale(nearest_level);
-    c.min_level = static_cast<std::int8_t>(nearest_level - 1);
-    c.max_level = static_cast<std::int8_t>(nearest_level + 1);
-    c.descriptor = &point.descriptor;
-    c.tag = local.slot;
-    matcher_.match(frame_, c, kMaxDistance, kNearestRatio);
-  }
-  return visible;
-}
-
-// Fits the patch of each landmark that agreed with the pose, for a sharper position of its feature.
-bool Tracker::refine_matches(const PoseSolution& solution) {
-  static const bool kRefine = getenv("NOREF") == nullptr;
-  if (!kRefine || !solution.converged) return false;
-  const double log_scale = map_.num_levels() > 1 ? std::log(map_.level_scale(1)) : 1.0;
+int Tracker::refine_matches(const PoseSolution& solution) {
   int refined = 0;
   for (std::size_t o = 0; o < observations_.size(); ++o) {
     if (!observations_[o].fits) continue;
     const int feature = observed_feature_[o];
-    const std::size_t k = static_cast<std::size_t>(feature);
     const std::int32_t slot = matcher_.tag_of(feature);
-    const Landmark& point = map_.landmark(slot);
-    if (!point.has_patch) continue;
-    const auto centre = camera_.project(solution.T_camera_world * point.p_world);
-    const auto along_x = camera_.project(solution.T_camera_world * (point.p_world + point.tangent_x.cast<double>()));
-    const auto along_y = camera_.project(solution.T_camera_world * (point.p_world + point.tangent_y.cast<double>()));
-    if (!centre || !along_x || !along_y) continue;
-    Eigen::Matrix2d image_per_patch;
-    image_per_patch << *along_x - *centre, *along_y - *centre;
-    const double size = std::sqrt(std::abs(image_per_patch.determinant()));
-    if (!(size > 0.4)) continue;
-    const int level_index = std::clamp(static_cast<int>(std::lround(std::log(size) / log_scale)), 0, map_.num_levels() - 1);
-    const PyramidLevel& level = builder_.level(level_index);
-    const Eigen::Matrix2d inverse = (image_per_patch / level.scale).inverse();
-    const float patch_per_image[4] = {static_cast<float>(inverse(0, 0)), static_cast<float>(inverse(0, 1)),
-                                      static_cast<float>(inverse(1, 0)), static_cast<float>(inverse(1, 1))};
-    const float x = (frame_.features.x[k] + 0.5F) / level.scale - 0.5F, y = (frame_.features.y[k] + 0.5F) / level.scale - 0.5F;
-    const PatchPlace place = find_patch(map_.patch(slot), patch_per_image, level, x, y, 2.5F);
-    if (!place.converged || place.correlation < 0.8F) continue;
-    builder_.place(frame_, feature, (place.x + 0.5F) * level.scale - 0.5F, (place.y + 0.5F) * level.scale - 0.5F,
-                   static_cast<float>(options_.noise.patch_sigma_px * patch_noise_.value()) * level.scale);
-    placed_level_scale_[k] = level.scale;
-    ++refined;
+    if (refiner_.refine(map_, slot, builder_, solution.T_camera_world, frame_, feature)) ++refined;
   }
-  if (refined > 0) compensate_motion();
-
-  if (getenv("DBG")) printf("refined %d of %zu  ", refined, observations_.size());
-  return refined > 0;
+  return refined;
 }
 
-// The camera's speed in the middle of this frame, from the mean speeds since the last frame and before.
-void Tracker::compensate_motion() {
-  static const double kReadout = getenv("RS") ? atof(getenv("RS")) : 0.0;
-  const double span_s = to_seconds(frame_.stamp - last_.stamp);
-  if (!have_velocity_ || kReadout == 0.0 || span_s <= 0.0) return;
-  const Vector6d mean = se3_log(last_.T_camera_world * frame_.T_camera_world.inverse()) / span_s;
-  const Vector6d twist = mean + 0.5 * (mean - twist_);
-  frame_.compensate_motion(camera_, twist, kReadout);
-}
-
-bool Tracker::track_local_map(bool wide) {
-  local_map_.collect(map_, frame_, frame_.T_camera_world.inverse());
-  match_local_map(frame_.T_camera_world, wide);
-  observe_matches(false);
-  PoseSolverOptions solver;
-  solver.first_gate = wide ? 9.0 : 2.0;
-  PoseSolution solution = solve_pose(camera_, frame_.T_camera_world, observations_, solver);
-  if (refine_matches(solution)) {
-    observe_matches(false);
-    solver.first_gate = 2.0;
-    solution = solve_pose(camera_, solution.T_camera_world, observations_, solver);
-  }
-  const bool enough = solution.converged && solution.num_inliers >= options_.track.min_inliers_degraded;
-  if (getenv("DBG2")&&frame_.index%20==0) { for (size_t k=0;k<observations_.size();++k){ auto&o=observations_[k]; int f=observed_feature_[k]; Eigen::Vector3d p=solution.T_camera_world*o.p_world; double du=camera_.fx*p.x()/p.z()+camera_.cx-o.u_px,dv=camera_.fy*p.y()/p.z()+camera_.cy-o.v_px; double e=(1/p.z()-o.inverse_depth_per_m); bool ref=std::abs(frame_.sigma_px[f]-options_.noise.pixel_sigma_px*map_.level_scale(frame_.features.level[f]))>1e-4; printf("OBS %ld ref %d fits %d sig %.2f sd %.5f hd %d du %.3f dv %.3f e %.5f lev %d ns %d z %.2f\n",frame_.index,ref,o.fits,frame_.sigma_px[f],frame_.sigma_inverse_depth[f],o.weight_inverse_depth>0,du,dv,e,frame_.features.level[f],map_.landmark(matcher_.tag_of(f)).num_sightings,p.z()); } }
-  if (getenv("DBG")) { std::vector<double> px,d; double n=0,bx=0,by=0; for (auto&o:observations_){ Eigen::Vector3d p=solution.T_camera_world*o.p_world; double du=camera_.fx*p.x()/p.z()+camera_.cx-o.u_px,dv=camera_.fy*p.y()/p.z()+camera_.cy-o.v_px; px.push_back(std::sqrt(du*du+dv*dv)); if(o.weight_inverse_depth>0){double e=(1/p.z()-o.inverse_depth_per_m);d.push_back(std::abs(e)*std::sqrt(o.weight_inverse_depth));} n++;bx+=du;by+=dv;} std::sort(px.begin(),px.end());std::sort(d.begin(),d.end()); printf("f %ld obs %zu inl %d dinl %d px med %.2f p80 %.2f | d/sig med %.2f p80 %.2f\n",frame_.index,px.size(),solution.num_inliers,solution.num_depth_inliers,px[px.size()/2],px[px.size()*8/10],d[d.size()/2],d[d.size()*8/10]); }
-  if (!enough) return false;
+// The frame keeps the landmarks whose observations fit.
+void Tracker::take_landmarks() {
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
   for (std::size_t o = 0; o < observations_.size(); ++o) {
-    if (!observations_[o].fits) continue;
-    const std::int32_t slot = matcher_.tag_of(observed_feature_[o]);
-    frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = slot;
-    ++map_.landmark(slot).found;
+    const std::int32_t tag = matcher_.tag_of(observed_feature_[o]);
+    if (!observations_[o].fits || tag >= kPointOfLast) continue;
+    frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = tag;
   }
-  learn_noise(solution);
-  accept(solution);
-  return true;
 }
 
-// Residuals of matched landmarks tell how good pixels and depths of this camera are.
 void Tracker::learn_noise(const PoseSolution& solution) {
   depth_noise_.start();
-  patch_noise_.start();
-  const double patch_sigma = options_.noise.patch_sigma_px;
+  refiner_.start_learning();
   for (std::size_t i = 0; i < observations_.size(); ++i) {
     const PoseObservation& o = observations_[i];
     if (!o.fits) continue;
-    const std::size_t k = static_cast<std::size_t>(observed_feature_[i]);
     const Eigen::Vector3d p = solution.T_camera_world * o.p_world;
     if (o.weight_inverse_depth > 0.0) {
-      depth_noise_.add(std::abs(1.0 / p.z() - o.inverse_depth_per_m) * std::sqrt(o.weight_inverse_depth) *
-                       depth_noise_.value());
+      const double whitened = std::abs(1.0 / p.z() - o.inverse_depth_per_m) * std::sqrt(o.weight_inverse_depth);
+      depth_noise_.add(whitened * depth_noise_.value());
     }
-    if (placed_level_scale_[k] > 0.0F) {
-      const double du = camera_.fx * p.x() / p.z() + camera_.cx - o.u_px;
-      const double dv = camera_.fy * p.y() / p.z() + camera_.cy - o.v_px;
-      patch_noise_.add(std::sqrt(du * du + dv * dv) / (patch_sigma * placed_level_scale_[k]));
-    }
+    const double du = camera_.fx * p.x() / p.z() + camera_.cx - o.u_px;
+    const double dv = camera_.fy * p.y() / p.z() + camera_.cy - o.v_px;
+    refiner_.learn(observed_feature_[i], std::hypot(du, dv));
   }
-  depth_noise_.finish(0.6745);  // |normal|
-  patch_noise_.finish(1.1774);  // two dimensions
+  depth_noise_.finish(0.6745);  // median of a standard normal's absolute value
+  refiner_.finish_learning();
+}
+
+// With the pose the frame has now, how fast the camera moves is known, and so where its rows would have seen the
+// features at one instant.
+void Tracker::compensate_shutter() {
+  if (rolling_shutter_s_ == 0.0) return;
+  const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
+  frame_.compensate_motion(camera_, motion_.speed_after(T_before_now, frame_.stamp - last_.stamp), rolling_shutter_s_);
 }
 
 void Tracker::accept(const PoseSolution& solution) {
-  solution_ = solution;
   frame_.T_camera_world = solution.T_camera_world;
   result_.T_world_camera = solution.T_camera_world.inverse();
   result_.num_landmarks = solution.num_inliers;
   if (local_map_.reference() != kNone) reference_id_ = map_.keyframe(local_map_.reference()).id;
-  // xi perturbs T_camera_world on the left; Rigid3's covariance is of the camera's place and turn in the world.
-  const Matrix6d sigma = (solution.information + 1e-9 * Matrix6d::Identity()).inverse();
-  const Eigen::Matrix3d R = result_.T_world_camera.matrix3();
-  Matrix6d J = Matrix6d::Zero();
-  J.topLeftCorner<3, 3>() = -R;
-  J.bottomRightCorner<3, 3>() = -R;
-  result_.covariance = J * sigma * J.transpose();
+  result_.covariance =
+      covariance_to_landmarks(solution) + covariance_of_anchors(map_, frame_, result_.T_world_camera);
 }
 
+// The newest place first, then the whole map in turn, a few keyframes a frame.
 bool Tracker::relocalise() {
-  // The newest places first, then the whole map in turn.
-  std::int32_t tried = 0;
-  const auto attempt = [this](std::int32_t slot) {
-    const auto found = relocaliser_.against(map_, slot, frame_);
-    if (!found) return false;
-    std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
-    frame_.T_camera_world = found->T_camera_world;
-    if (!track_local_map(true)) return false;
-    if (!track_local_map(false)) return false;
-    return solution_.num_inliers >= kMinToRelocalise;
-  };
-  const Rigid3 held = result_.T_world_camera;
-  const Matrix6d held_covariance = result_.covariance;
-  if (newest_keyframe_ != kNone && map_.keyframe(newest_keyframe_).alive && attempt(newest_keyframe_)) return true;
+  const TrackResult held = result_;
+  if (newest_keyframe_ != kNone && map_.keyframe(newest_keyframe_).alive && found_at(newest_keyframe_)) return true;
+  int tried = 0;
   for (std::int32_t step = 0; step < map_.keyframe_slots() && tried < kSearchedPerFrame; ++step) {
     search_cursor_ = (search_cursor_ + 1) % map_.keyframe_slots();
     if (!map_.keyframe(search_cursor_).alive || search_cursor_ == newest_keyframe_) continue;
     ++tried;
-    if (attempt(search_cursor_)) return true;
+    if (found_at(search_cursor_)) return true;
   }
-  result_.T_world_camera = held;
-  result_.covariance = held_covariance;
+  result_ = held;
   return false;
+}
+
+bool Tracker::found_at(std::int32_t keyframe) {
+  motion_.forget();
+  const auto found = relocaliser_.against(map_, keyframe, frame_);
+  if (!found) return false;
+  std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+  return track_local_map(found->T_camera_world, kWide) && track_local_map(frame_.T_camera_world, 1.0F) &&
+         result_.num_landmarks >= kMinToRelocalise;
 }
 
 void Tracker::hold_pose() {
   frame_.T_camera_world = result_.T_world_camera.inverse();
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
-  have_velocity_ = false;
+  motion_.forget();
+  matches_of_last_ = 0;
   result_.num_landmarks = 0;
-  // Unseen motion: a robot's speed, until it is found again.
   const double dt_s = std::clamp(to_seconds(frame_.stamp - last_.stamp), 0.0, 1.0);
-  const double move_m = 1.0 * dt_s, turn_rad = 1.0 * dt_s;
-  result_.covariance.topLeftCorner<3, 3>().diagonal().array() += move_m * move_m;
-  result_.covariance.bottomRightCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
+  result_.covariance.topLeftCorner<3, 3>().diagonal().array() += std::pow(kUnseenSpeedMps * dt_s, 2);
+  result_.covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kUnseenTurnRadps * dt_s, 2);
 }
 
+// States change with hysteresis: OK is left at once when support is weak and regained after several good frames.
 void Tracker::update_state(bool tracked) {
   const TrackOptions& limits = options_.track;
   if (!tracked) {
     good_frames_ = 0;
-    ++bad_frames_;
     hold_pose();
-    if (result_.state != TrackState::lost) {
-      result_.state = bad_frames_ >= limits.frames_to_lost ? TrackState::lost : TrackState::degraded;
-    }
-  } else {
-    bad_frames_ = 0;
-    const bool strong = result_.num_landmarks >= limits.min_inliers_ok;
-    good_frames_ = strong ? good_frames_ + 1 : 0;
-    if (!strong) {
-      result_.state = TrackState::degraded;
-    } else if (result_.state != TrackState::ok) {
-      result_.state = good_frames_ >= limits.frames_to_recover ? TrackState::ok : TrackState::degraded;
-    }
-    const Rigid3 step = frame_.T_camera_world * last_.T_camera_world.inverse();
-    velocity_ = step;
-    velocity_span_ = frame_.stamp - last_.stamp;
-    twist_ = velocity_span_ > 0 ? Vector6d(se3_log(step.inverse()) / to_seconds(velocity_span_)) : Vector6d::Zero();
-    have_velocity_ = frame_.index > 0;
-    result_.T_odom_camera = result_.T_odom_camera * step.inverse();
+    if (++bad_frames_ >= limits.frames_to_lost) result_.state = TrackState::lost;
+    if (result_.state != TrackState::lost) result_.state = TrackState::degraded;
+    return;
   }
+  const bool followed = bad_frames_ == 0;  // else the last pose was only held
+  bad_frames_ = 0;
+  good_frames_ = result_.num_landmarks >= limits.min_inliers_ok ? good_frames_ + 1 : 0;
+  const bool ok = result_.state == TrackState::ok ? good_frames_ > 0 : good_frames_ >= limits.frames_to_recover;
+  result_.state = ok ? TrackState::ok : TrackState::degraded;
+  const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
+  if (followed) motion_.moved(T_before_now, frame_.stamp - last_.stamp);
+  result_.T_odom_camera = result_.T_odom_camera * T_before_now;
 }
 
+// Keeps the frame if the map lacks it, and asks for smoothing around it.
 void Tracker::upkeep() {
+  if (!map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
   const bool weak = result_.num_landmarks < 2 * options_.track.min_inliers_ok;
-  if (newest_keyframe_ != kNone && !map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
-  if (!result_.keyframe && keyframer_.wanted(frame_, map_, newest_keyframe_, result_.num_landmarks, weak)) {
+  if (keyframer_.wanted(frame_, map_, newest_keyframe_, result_.num_landmarks, weak)) {
     newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, reference_id_);
     reference_id_ = map_.keyframe(newest_keyframe_).id;
     result_.keyframe = true;
     keyframer_.cull(map_, newest_keyframe_);
-    for (int i = 0; i < frame_.size(); ++i) {  // culling may have removed what this frame saw
-      std::int32_t& seen = frame_.landmark[static_cast<std::size_t>(i)];
-      seen = map_.keyframe(newest_keyframe_).landmark[static_cast<std::size_t>(i)];
-    }
+    std::copy_n(map_.keyframe(newest_keyframe_).landmark.begin(), frame_.size(), frame_.landmark.begin());
     if (problem_state_ == ProblemState::idle &&
         smooth_exchange_.cut(map_, newest_keyframe_, frame_.index, problem_)) {
       problem_state_ = ProblemState::offered;
     }
   }
+  name_reference();
+}
+
+void Tracker::name_reference() {
   result_.reference_keyframe = reference_id_;
-  if (const auto T = map_.keyframe_pose(reference_id_)) result_.T_reference_camera = T->inverse() * result_.T_world_camera;
+  const auto T_world_reference = map_.keyframe_pose(reference_id_);
+  if (T_world_reference) result_.T_reference_camera = T_world_reference->inverse() * result_.T_world_camera;
 }
 
 SmoothProblem* Tracker::take_problem() {
@@ -444,6 +335,7 @@ void Tracker::give_back(SmoothProblem* problem) {
   problem_state_ = ProblemState::answered;
 }
 
+// The smoothed window enters; the last pose moves along with the keyframe it was tracked against.
 void Tracker::apply_answer() {
   if (problem_state_ != ProblemState::answered) return;
   problem_state_ = ProblemState::idle;

@@ -1,0 +1,80 @@
+#include "pipeline/frontend/landmark_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace povslam {
+
+namespace {
+constexpr float kLocalRadiusPx = 4.0F;   // on the predicted level
+constexpr float kRemoteWidening = 2.0F;  // landmarks of an older visit lie off by the drift since
+constexpr double kMaxViewChangeCos = 0.45;
+constexpr double kNearestM = 0.1;
+constexpr double kRatioLast = 0.9;
+}  // namespace
+
+LandmarkSearch::LandmarkSearch(const PinholeCamera& camera, const FrontendOptions& options)
+    : camera_(camera), log_scale_(std::log(options.orb.scale_factor)), num_levels_(options.orb.num_levels) {}
+
+// A point twice as far looks half as large: it is found lower in the pyramid.
+int LandmarkSearch::level_at(double level_reference, double distance_reference_m, double distance_m) const {
+  const double level = level_reference + std::log(distance_reference_m / distance_m) / log_scale_;
+  return static_cast<int>(std::lround(std::clamp(level, -100.0, 100.0)));
+}
+
+void LandmarkSearch::match_last(const Map& map, const Frame& last, const Frame& frame, const Rigid3& T_camera_world,
+                                float radius_px, Matcher& matcher) const {
+  matcher.start(frame);
+  const Rigid3 T_world_last = last.T_camera_world.inverse();
+  for (int i = 0; i < last.size(); ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    const std::int32_t seen = last.landmark[k];
+    if (seen == kNone && !last.has_depth(i)) continue;
+    const Eigen::Vector3d p_world =
+        seen != kNone ? map.landmark(seen).p_world : T_world_last * last.point_camera(i, camera_);
+    const Eigen::Vector3d p = T_camera_world * p_world;
+    if (p.z() < kNearestM) continue;
+    const int level = level_at(last.features.level[k], (last.T_camera_world * p_world).norm(), p.norm());
+    MatchCandidate c;
+    c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
+    c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
+    c.radius_px = radius_px * std::sqrt(map.level_scale(std::clamp(level, 0, num_levels_ - 1)));
+    c.min_level = static_cast<std::int8_t>(level - 1);
+    c.max_level = static_cast<std::int8_t>(level + 1);
+    c.descriptor = &last.features.descriptor[k];
+    c.tag = seen != kNone ? seen : kPointOfLast + i;
+    matcher.match(frame, c, kMaxDistance, kRatioLast);
+  }
+}
+
+void LandmarkSearch::match_local(Map& map, const LocalMap& local_map, const Frame& frame, const Rigid3& T_camera_world,
+                                 float widening, Matcher& matcher) const {
+  matcher.start(frame);
+  const Eigen::Vector3d p_world_camera = T_camera_world.inverse().translation;
+  const Eigen::Matrix3d R = T_camera_world.matrix3();
+  for (const LocalLandmark& local : local_map.landmarks()) {
+    Landmark& point = map.landmark(local.slot);
+    const Eigen::Vector3d p = R * point.p_world + T_camera_world.translation;
+    if (p.z() < kNearestM) continue;
+    const double u = camera_.fx * p.x() / p.z() + camera_.cx, v = camera_.fy * p.y() / p.z() + camera_.cy;
+    if (!camera_.contains({u, v})) continue;
+    const Eigen::Vector3d toward = p_world_camera - point.p_world;
+    const double distance = toward.norm();
+    if (toward.dot(point.toward_camera) < kMaxViewChangeCos * distance) continue;
+    const int level = level_at(point.reference_level, point.reference_distance_m, distance);
+    if (level < -1 || level > num_levels_) continue;
+    ++point.visible;
+    MatchCandidate c;
+    c.u_px = static_cast<float>(u);
+    c.v_px = static_cast<float>(v);
+    c.radius_px = kLocalRadiusPx * widening * (local.remote ? kRemoteWidening : 1.0F) *
+                  map.level_scale(std::clamp(level, 0, num_levels_ - 1));
+    c.min_level = static_cast<std::int8_t>(level - 1);
+    c.max_level = static_cast<std::int8_t>(level + 1);
+    c.descriptor = &point.descriptor;
+    c.tag = local.slot;
+    matcher.match(frame, c, kMaxDistance, kNearestRatio);
+  }
+}
+
+}  // namespace povslam

@@ -1,0 +1,33 @@
+// Predicts where landmarks and the last frame's points appear in a frame, and finds the features that show them.
+#pragma once
+
+#include "pipeline/frontend/local_map.hpp"
+#include "pipeline/frontend/map.hpp"
+#include "pipeline/frontend/match.hpp"
+#include "pipeline/geometry/camera.hpp"
+
+namespace povslam {
+
+// Tags in the matcher: a landmark's slot, or kPointOfLast + a feature of the last frame that has depth but no landmark.
+inline constexpr std::int32_t kPointOfLast = 1 << 30;
+
+class LandmarkSearch {
+ public:
+  LandmarkSearch(const PinholeCamera& camera, const FrontendOptions& options);
+
+  // All the last frame saw, within radius_px of where T_camera_world puts it.
+  void match_last(const Map& map, const Frame& last, const Frame& frame, const Rigid3& T_camera_world, float radius_px,
+                  Matcher& matcher) const;
+  // The local map's landmarks; counts them as visible. widening multiplies the search radius.
+  void match_local(Map& map, const LocalMap& local_map, const Frame& frame, const Rigid3& T_camera_world,
+                   float widening, Matcher& matcher) const;
+
+ private:
+  int level_at(double level_reference, double distance_reference_m, double distance_m) const;
+
+  PinholeCamera camera_;
+  double log_scale_;
+  int num_levels_;
+};
+
+}  // namespace povslam
