@@ -7,12 +7,12 @@ namespace povslam::synthetic {
 
 namespace {
 
-constexpr int kWatchWidth = 120;
+constexpr int kWatchWidth = 120, kCoverageWidth = 60;
 constexpr double kMargin = 1.1;  // the watch sees 10 % more in tangent
 constexpr double kSwell_m = 0.03;
 
 // Same field of view, coarse, widened by the margin and never narrower than the standard camera.
-PinholeCamera watch_camera(const PinholeCamera& camera, double margin) {
+PinholeCamera watch_camera(const PinholeCamera& camera, int width, double margin) {
   const PinholeCamera standard = SyntheticOptions{}.camera;
   const auto widest = [margin](double size, double focal, double standard_size, double standard_focal) {
     return margin * std::max(size / focal, standard_size / standard_focal);
@@ -20,8 +20,8 @@ PinholeCamera watch_camera(const PinholeCamera& camera, double margin) {
   const double across = widest(camera.width, camera.fx, standard.width, standard.fx);
   const double down = widest(camera.height, camera.fy, standard.height, standard.fy);
   PinholeCamera coarse;
-  coarse.width = kWatchWidth;
-  coarse.fx = coarse.fy = kWatchWidth / across;
+  coarse.width = width;
+  coarse.fx = coarse.fy = width / across;
   coarse.height = std::max(2, static_cast<int>(down * coarse.fy + 0.5));
   coarse.cx = 0.5 * (coarse.width - 1);
   coarse.cy = 0.5 * (coarse.height - 1);
@@ -38,7 +38,9 @@ Object swollen(const Object& object) {
 }  // namespace
 
 Watch::Watch(const PinholeCamera& camera, const RobotMotion& motion)
-    : motion_(motion), wide_(watch_camera(camera, kMargin)), exact_(watch_camera(SyntheticOptions{}.camera, 1.0)) {}
+    : motion_(motion),
+      wide_(watch_camera(camera, kWatchWidth, kMargin)),
+      exact_(watch_camera(SyntheticOptions{}.camera, kCoverageWidth, 1.0)) {}
 
 bool Watch::sees(const std::vector<Object>& objects, std::size_t index, const Placement& placement, double time_s) {
   if (!placement.present) return false;

@@ -105,12 +105,11 @@ void View::add_faces(const Object& object, int object_index, const Placement& pl
   }
 }
 
-std::vector<ProjectedFace> faces_at(const Scene& scene, double time_s, const View& view) {
-  std::vector<ProjectedFace> faces;
+void find_faces(const Scene& scene, double time_s, const View& view, std::vector<ProjectedFace>& faces) {
+  faces.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     view.add_faces(scene.objects[i], static_cast<int>(i), scene.objects[i].at(time_s), faces);
   }
-  return faces;
 }
 
 }  // namespace povslam::synthetic

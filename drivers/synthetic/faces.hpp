@@ -63,6 +63,7 @@ class View {
   std::array<Eigen::Vector3d, 4> sides_;  // inward normals of the frustum's sides, camera frame
 };
 
-std::vector<ProjectedFace> faces_at(const Scene& scene, double time_s, const View& view);
+// All faces in view at that time; the buffer is kept between calls.
+void find_faces(const Scene& scene, double time_s, const View& view, std::vector<ProjectedFace>& faces);
 
 }  // namespace povslam::synthetic

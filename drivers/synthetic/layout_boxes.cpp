@@ -10,8 +10,8 @@ namespace povslam::synthetic {
 namespace {
 
 constexpr int kBoxes = 17, kBoxesATurn = 7;
-constexpr double kArena_m = 6.0;      // half of the floor's side
-constexpr double kLeastShare = 0.2;   // of the image filled by boxes within kReach_m, at every pose
+constexpr double kArena_m = 6.0;     // half of the floor's side
+constexpr double kLeastShare = 0.2;  // of the image filled by boxes within kReach_m, at every pose
 constexpr double kReach_m = 7.0;
 constexpr int kLeastBoxes = 3;       // of at least 1 % of the image each, at every pose
 constexpr double kFarthest_m = 1.5;  // from the path, after a move

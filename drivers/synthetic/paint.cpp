@@ -112,61 +112,62 @@ void print_wall(Canvas& canvas, Random& random) {
     print_patch(canvas, random.uniform(0.03, 0.2), random);
 }
 
-}  // namespace
+void print_pillar(Canvas& canvas, Random& random) {
+  canvas.base({140, 138, 134}, 10.0, random);
+  canvas.rectangle({0.0, 0.62 * canvas.height_m(), canvas.width_m(), 0.1 * canvas.height_m()}, {200, 170, 40});
+  for (int i = 0; i < 14; ++i) print_patch(canvas, random.uniform(0.03, 0.12), random);
+}
 
-Texture paint_face(Paint paint, double width_m, double height_m, std::uint64_t seed) {
-  Random random(mix(seed, 202));
-  const double longest = std::max(width_m, height_m);
-  const auto canvas_of = [&](double texels_per_m, double max_texels) {
-    return Canvas(width_m, height_m, std::min(texels_per_m, max_texels / longest));
-  };
+void print_truck(Canvas& canvas, Random& random) {
+  canvas.base({206, 140, 30}, 8.0, random);
+  for (int i = 0; i < 12; ++i) print_patch(canvas, random.uniform(0.03, 0.2), random);
+  print_label(canvas, 0.8, random);
+}
+
+void print_cloth(Canvas& canvas, Random& random) {
+  canvas.base(pick(kPrints, random), 14.0, random);
+  canvas.rectangle({0.0, 0.25 * canvas.height_m(), canvas.width_m(), 0.06 * canvas.height_m()}, {214, 220, 90});
+}
+
+void print_steel(Canvas& canvas, Random& random) {
+  canvas.base(Ink{52, 78, 130}.lighter(random.below(20) - 10), 6.0, random);
+  for (int i = 0; i < 4; ++i) print_patch(canvas, random.uniform(0.02, 0.05), random);
+}
+
+struct Stock {  // how finely a material is printed, and with what
+  double texels_per_m, max_texels;
+  void (*print)(Canvas&, Random&);
+};
+
+Stock stock_of(Paint paint) {
   switch (paint) {
-    case Paint::carton: {
-      Canvas canvas = canvas_of(320.0, 288.0);
-      print_carton(canvas, 1.0, random);
-      return std::move(canvas).finish();
-    }
-    case Paint::goods: {
-      Canvas canvas = canvas_of(280.0, 128.0);
-      print_carton(canvas, 0.5, random);
-      return std::move(canvas).finish();
-    }
-    case Paint::wood: {
-      Canvas canvas = canvas_of(150.0, 192.0);
-      print_wood(canvas, random);
-      return std::move(canvas).finish();
-    }
-    case Paint::wall: {
-      Canvas canvas = canvas_of(100.0, 1800.0);
-      print_wall(canvas, random);
-      return std::move(canvas).finish();
-    }
-    case Paint::concrete: {
-      Canvas canvas = canvas_of(150.0, 480.0);
-      canvas.base({140, 138, 134}, 10.0, random);
-      canvas.rectangle({0.0, 0.62 * height_m, width_m, 0.1 * height_m}, {200, 170, 40});
-      for (int i = 0; i < 14; ++i) print_patch(canvas, random.uniform(0.03, 0.12), random);
-      return std::move(canvas).finish();
-    }
-    case Paint::truck: {
-      Canvas canvas = canvas_of(160.0, 256.0);
-      canvas.base({206, 140, 30}, 8.0, random);
-      for (int i = 0; i < 12; ++i) print_patch(canvas, random.uniform(0.03, 0.2), random);
-      print_label(canvas, 0.8, random);
-      return std::move(canvas).finish();
-    }
-    case Paint::cloth: {
-      Canvas canvas = canvas_of(120.0, 128.0);
-      canvas.base(pick(kPrints, random), 14.0, random);
-      canvas.rectangle({0.0, 0.25 * height_m, width_m, 0.06 * height_m}, {214, 220, 90});
-      return std::move(canvas).finish();
-    }
+    case Paint::carton:
+      return {320.0, 288.0, [](Canvas& canvas, Random& random) { print_carton(canvas, 1.0, random); }};
+    case Paint::goods:
+      return {280.0, 128.0, [](Canvas& canvas, Random& random) { print_carton(canvas, 0.5, random); }};
+    case Paint::wood:
+      return {150.0, 192.0, print_wood};
+    case Paint::wall:
+      return {100.0, 1800.0, print_wall};
+    case Paint::concrete:
+      return {150.0, 480.0, print_pillar};
+    case Paint::truck:
+      return {160.0, 256.0, print_truck};
+    case Paint::cloth:
+      return {120.0, 128.0, print_cloth};
     case Paint::steel:
       break;
   }
-  Canvas canvas = canvas_of(60.0, 256.0);
-  canvas.base(Ink{52, 78, 130}.lighter(random.below(20) - 10), 6.0, random);
-  for (int i = 0; i < 4; ++i) print_patch(canvas, random.uniform(0.02, 0.05), random);
+  return {60.0, 256.0, print_steel};
+}
+
+}  // namespace
+
+Texture paint_face(Paint paint, double width_m, double height_m, std::uint64_t seed) {
+  const Stock stock = stock_of(paint);
+  Random random(mix(seed, 202));
+  Canvas canvas(width_m, height_m, std::min(stock.texels_per_m, stock.max_texels / std::max(width_m, height_m)));
+  stock.print(canvas, random);
   return std::move(canvas).finish();
 }
 

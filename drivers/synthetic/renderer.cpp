@@ -14,7 +14,7 @@ Renderer::Renderer(const World& world)
 
 void Renderer::expose(const Rigid3& T_world_camera, double time_s, ImageU8& color) {
   const View view(world_.options().camera, T_world_camera);
-  faces_ = faces_at(world_.scene(), time_s, view);
+  find_faces(world_.scene(), time_s, view, faces_);
   raster_.cast(view, faces_);
   shader_.shade(view, faces_, raster_, noise_.exposure(time_s), color);
 }

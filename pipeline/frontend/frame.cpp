@@ -79,7 +79,7 @@ FrameBuilder::FrameBuilder(const PinholeCamera& camera, const FrontendOptions& o
   for (int level = 0; level < extractor_.num_levels(); ++level) scales_.push_back(extractor_.scale(level));
 }
 
-void FrameBuilder::build(const RgbdFrame& input, Frame& frame) {
+void FrameBuilder::build(const RgbdFrame& input, double depth_noise_factor, Frame& frame) {
   EXPECTS(input.color.width() == camera_.width && input.color.height() == camera_.height);
   EXPECTS(input.depth.width() == camera_.width && input.depth.height() == camera_.height);
   frame.stamp = input.stamp;
@@ -90,7 +90,7 @@ void FrameBuilder::build(const RgbdFrame& input, Frame& frame) {
   }
   extractor_.extract(grey, camera_.width, frame.features);
   rectify(frame);
-  measure_depth(input, frame);
+  measure_depth(input, depth_noise_factor, frame);
   std::fill_n(frame.landmark.begin(), frame.size(), kNone);
   const std::size_t n = static_cast<std::size_t>(frame.size());
   frame.grid.build({frame.x.data(), n}, {frame.y.data(), n});
@@ -118,11 +118,11 @@ void FrameBuilder::place(Frame& frame, int feature, float x_raw, float y_raw, fl
 // Depth of a feature: the mean inverse depth of the readings around it that lie on the nearest surface, and how it slopes.
 // Inverse depth is linear across a plane's image, so the mean over a symmetric window has no bias; readings of the
 // background behind an edge are left out, since a corner on an edge belongs to what is in front.
-void FrameBuilder::measure_depth(const RgbdFrame& input, Frame& frame) const {
+void FrameBuilder::measure_depth(const RgbdFrame& input, double noise_factor, Frame& frame) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(frame.size()); ++i) {
     const Surface surface = measure_surface(input, frame.features.x[i], frame.features.y[i]);
     frame.inverse_depth[i] = surface.inverse_depth;
-    frame.sigma_inverse_depth[i] = surface.sigma;
+    frame.sigma_inverse_depth[i] = static_cast<float>(noise_factor) * surface.sigma;
     frame.slope_x[i] = surface.slope_x;
     frame.slope_y[i] = surface.slope_y;
   }

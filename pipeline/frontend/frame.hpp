@@ -45,7 +45,7 @@ struct Frame {
 class FrameBuilder {
  public:
   FrameBuilder(const PinholeCamera& camera, const FrontendOptions& options);
-  void build(const RgbdFrame& input, Frame& frame);
+  void build(const RgbdFrame& input, double depth_noise_factor, Frame& frame);
   float level_scale(int level) const { return scales_[static_cast<std::size_t>(level)]; }
   const std::vector<float>& level_scales() const { return scales_; }
   const OrbExtractor& images() const { return extractor_; }
@@ -60,7 +60,7 @@ class FrameBuilder {
     float slope_x = 0.0F, slope_y = 0.0F;  // 1/m per px
   };
   void rectify(Frame& frame) const;
-  void measure_depth(const RgbdFrame& input, Frame& frame) const;
+  void measure_depth(const RgbdFrame& input, double noise_factor, Frame& frame) const;
   Surface measure_surface(const RgbdFrame& input, float x, float y) const;
 
   PinholeCamera camera_;

@@ -32,6 +32,9 @@ Tracker::Tracker(const PinholeCamera& camera, const FrontendOptions& options, co
       relocaliser_(camera, options),
       matcher_(options.orb.num_features),
       turn_prior_(camera),
+      depth_noise_(static_cast<std::size_t>(options.orb.num_features)),
+      patch_noise_(static_cast<std::size_t>(options.orb.num_features)),
+      placed_level_scale_(static_cast<std::size_t>(options.orb.num_features)),
       frame_(camera, options),
       last_(camera, options),
       T_world_camera_start_(T_world_camera_start) {
@@ -45,7 +48,8 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
   result_.keyframe = false;
   apply_answer();
   std::swap(frame_, last_);
-  builder_.build(input, frame_);
+  builder_.build(input, depth_noise_.value(), frame_);
+  std::fill(placed_level_scale_.begin(), placed_level_scale_.end(), 0.0F);
   frame_.index = frame_index_++;
   turn_prior_.look(builder_.images());
   const TimeNs built = thread_cpu_now();
@@ -256,10 +260,12 @@ bool Tracker::refine_matches(const PoseSolution& solution) {
     const PatchPlace place = find_patch(map_.patch(slot), patch_per_image, level, x, y, 2.5F);
     if (!place.converged || place.correlation < 0.8F) continue;
     builder_.place(frame_, feature, (place.x + 0.5F) * level.scale - 0.5F, (place.y + 0.5F) * level.scale - 0.5F,
-                   static_cast<float>(options_.noise.patch_sigma_px) * level.scale);
+                   static_cast<float>(options_.noise.patch_sigma_px * patch_noise_.value()) * level.scale);
+    placed_level_scale_[k] = level.scale;
     ++refined;
   }
   if (refined > 0) compensate_motion();
+
   if (getenv("DBG")) printf("refined %d of %zu  ", refined, observations_.size());
   return refined > 0;
 }
@@ -297,8 +303,33 @@ bool Tracker::track_local_map(bool wide) {
     frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = slot;
     ++map_.landmark(slot).found;
   }
+  learn_noise(solution);
   accept(solution);
   return true;
+}
+
+// Residuals of matched landmarks tell how good pixels and depths of this camera are.
+void Tracker::learn_noise(const PoseSolution& solution) {
+  depth_noise_.start();
+  patch_noise_.start();
+  const double patch_sigma = options_.noise.patch_sigma_px;
+  for (std::size_t i = 0; i < observations_.size(); ++i) {
+    const PoseObservation& o = observations_[i];
+    if (!o.fits) continue;
+    const std::size_t k = static_cast<std::size_t>(observed_feature_[i]);
+    const Eigen::Vector3d p = solution.T_camera_world * o.p_world;
+    if (o.weight_inverse_depth > 0.0) {
+      depth_noise_.add(std::abs(1.0 / p.z() - o.inverse_depth_per_m) * std::sqrt(o.weight_inverse_depth) *
+                       depth_noise_.value());
+    }
+    if (placed_level_scale_[k] > 0.0F) {
+      const double du = camera_.fx * p.x() / p.z() + camera_.cx - o.u_px;
+      const double dv = camera_.fy * p.y() / p.z() + camera_.cy - o.v_px;
+      patch_noise_.add(std::sqrt(du * du + dv * dv) / (patch_sigma * placed_level_scale_[k]));
+    }
+  }
+  depth_noise_.finish(0.6745);  // |normal|
+  patch_noise_.finish(1.1774);  // two dimensions
 }
 
 void Tracker::accept(const PoseSolution& solution) {

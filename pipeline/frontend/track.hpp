@@ -9,6 +9,7 @@
 #include "pipeline/frontend/local_map.hpp"
 #include "pipeline/frontend/map.hpp"
 #include "pipeline/frontend/match.hpp"
+#include "pipeline/frontend/noise_scale.hpp"
 #include "pipeline/frontend/relocalise.hpp"
 #include "pipeline/frontend/smooth_exchange.hpp"
 #include "pipeline/frontend/solve_pose.hpp"
@@ -52,6 +53,7 @@ class Tracker {
   int match_local_map(const Rigid3& T_camera_world, bool wide);
   void observe_matches(bool with_points_of_last);
   bool relocalise();
+  void learn_noise(const PoseSolution& solution);
   void accept(const PoseSolution& solution);
   void update_state(bool tracked);
   void upkeep();
@@ -68,6 +70,8 @@ class Tracker {
   Relocaliser relocaliser_;
   Matcher matcher_;
   TurnPrior turn_prior_;
+  NoiseScale depth_noise_, patch_noise_;
+  std::vector<float> placed_level_scale_;  // of a feature placed by its patch: scale of the level; else 0
   Frame frame_, last_;
   std::vector<PoseObservation> observations_;
   std::vector<std::int32_t> observed_feature_;  // of each observation

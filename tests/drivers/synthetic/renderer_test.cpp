@@ -69,7 +69,7 @@ TEST(Renderer, TrackersAlwaysHaveSomethingToSee) {
       const World world = make_world(small_options(name, seed));
       Renderer renderer(world);
       RgbdFrame frame;
-      for (double t = 0.0; t < world.lap_end_s(2.0); t += 0.4) {
+      for (double t = 0.0; t < world.lap_end_s(2.0); t += 0.8) {
         renderer.render_at(t, frame);
         const auto hits = renderer.raster().hit().pixels();
         std::size_t textured = 0;
