@@ -86,21 +86,18 @@ Status Listener::finish() const {
 
 namespace {
 
-class Subscriber {
- public:
-  Subscriber(lcm::LCM& lcm, Listener& listener) : listener_(listener) {
-    lcm.subscribe(kPoseChannel, &Subscriber::pose, this);
-    lcm.subscribe(kBotCorePoseChannel, &Subscriber::bot_core_pose, this);
-    lcm.subscribe(kHealthChannel, &Subscriber::health, this);
-  }
+using Buffer = const lcm::ReceiveBuffer*;
 
- private:
-  using Buffer = const lcm::ReceiveBuffer*;
-  void pose(Buffer, const std::string&, const pose_t* message) { listener_.on_pose(*message); }
-  void bot_core_pose(Buffer, const std::string&, const bot_core::pose_t* m) { listener_.on_bot_core_pose(*m); }
-  void health(Buffer, const std::string&, const health_t* message) { listener_.on_health(*message); }
-  Listener& listener_;
-};
+// Functions and not LCM's handler methods: GCC 12 with both address and undefined sanitizers miscompiles the latter.
+void subscribe(lcm::LCM& lcm, Listener& listener) {
+  lcm.subscribeFunction<pose_t, Listener*>(
+      kPoseChannel, [](Buffer, const std::string&, const pose_t* m, Listener* l) { l->on_pose(*m); }, &listener);
+  lcm.subscribeFunction<bot_core::pose_t, Listener*>(
+      kBotCorePoseChannel,
+      [](Buffer, const std::string&, const bot_core::pose_t* m, Listener* l) { l->on_bot_core_pose(*m); }, &listener);
+  lcm.subscribeFunction<health_t, Listener*>(
+      kHealthChannel, [](Buffer, const std::string&, const health_t* m, Listener* l) { l->on_health(*m); }, &listener);
+}
 
 int complain(const std::string& message, int exit_code) {
   std::fprintf(stderr, "povslam listen: %s\n", message.c_str());
@@ -113,7 +110,7 @@ int listen(const ListenOptions& options) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   StopSignal stop;
   Listener listener(options);
-  const Subscriber subscriber(lcm, listener);
+  subscribe(lcm, listener);
   TimeNs last_message = monotonic_now();
   bool silent = false;
   while (!stop.stopped() && !silent && (options.count == 0 || listener.poses() < options.count)) {

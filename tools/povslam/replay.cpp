@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <opencv2/core/utility.hpp>
 
 #include "daemon/config_file.hpp"
 #include "drivers/registry.hpp"
@@ -58,6 +59,7 @@ void print_summary(const ReplayArguments& arguments, const ReplayRecord& record)
 }
 
 int replay(const ReplayArguments& arguments) {
+  cv::setNumThreads(1);  // OpenCV's pool would add threads that nobody asked for, also beside --realtime's
   const Result<ReplaySettings> settings = settings_from(arguments);
   if (!settings) return complain(settings.error().message, kBadUsage);
   auto driver = make_driver("replay", driver_options(arguments));

@@ -116,9 +116,8 @@ struct Clocks {
 };
 
 // Frames of the main camera until the stream ends, fails or a signal comes.
-void feed(Driver& driver, const PinholeCamera& camera, SingleThread& journey, Recorder& recorder, Progress& progress) {
+void feed(Driver& driver, SingleThread& journey, Recorder& recorder, Progress& progress, StopSignal& stop) {
   ReplayRecord& record = recorder.record();
-  StopSignal stop;
   SensorFrame frame;
   TimeNs feeder_cpu = 0;
   const auto drop = [&record](DropReason reason) { ++record.drops[static_cast<std::size_t>(reason)]; };
@@ -137,7 +136,6 @@ void feed(Driver& driver, const PinholeCamera& camera, SingleThread& journey, Re
     } else if (frame.kind != SensorKind::rgbd || frame.sensor != 0) {
       drop(DropReason::unused);
     } else {
-      EXPECTS(frame.rgbd.color.width() == camera.width && frame.rgbd.color.height() == camera.height);
       journey.track(frame.rgbd, recorder);
       progress.step();
     }
@@ -150,6 +148,7 @@ void feed(Driver& driver, const PinholeCamera& camera, SingleThread& journey, Re
 
 Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver& driver) {
   const Clocks clocks;
+  StopSignal stop;
   Result<DriverSetup> setup = driver.open();
   if (!setup) return setup.error();
   SensorCalibration calibration = setup->sensors[0];
@@ -161,7 +160,7 @@ Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver
   Recorder recorder;
   {
     Progress progress("replay", setup->num_frames.value_or(0));
-    feed(driver, calibration.camera, journey, recorder, progress);
+    feed(driver, journey, recorder, progress, stop);
   }
   driver.close();
   recorder.correct(journey.pipeline());
