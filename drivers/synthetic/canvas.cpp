@@ -7,8 +7,12 @@ namespace povslam::synthetic {
 
 namespace {
 
+// A multiple of 64, so that six halvings lose nothing: were a texel dropped on the way, prints would creep over the
+// surface as the camera comes nearer.
 int texel_count(double size_m, double texels_per_m) {
-  return std::clamp(static_cast<int>(size_m * texels_per_m + 0.5), 4, Texture::kMaxSide);
+  constexpr int kStep = 64;
+  const int wanted = static_cast<int>(size_m * texels_per_m / kStep + 0.5) * kStep;
+  return std::clamp(wanted, kStep, Texture::kMaxSide / kStep * kStep);
 }
 
 Texel to_texel(Ink ink) {
