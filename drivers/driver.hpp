@@ -15,11 +15,11 @@
 namespace povslam {
 
 struct DriverSetup {
-  std::string description;                 // one line for the log: what was opened
-  std::vector<SensorCalibration> sensors;  // index = SensorFrame::sensor
+  std::string description;                     // one line for the log: what was opened
+  std::vector<SensorCalibration> sensors;      // index = SensorFrame::sensor
   std::optional<Rigid3> T_world_camera_start;  // pose of sensor 0 at its first frame, if the source knows it
-  std::optional<std::size_t> num_frames;   // how many frames of sensor 0 will come, if known
-  bool paced = false;                      // true: next() delivers at the real rate (a device, a simulated device)
+  std::optional<std::size_t> num_frames;       // how many frames of sensor 0 will come, if known
+  bool paced = false;                          // true: next() delivers at the real rate (a device, a simulated device)
 };
 
 struct Next {

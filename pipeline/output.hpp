@@ -22,7 +22,7 @@ struct PoseEstimate {
   TrackState state = TrackState::initialising;
   Rigid3 T_world_camera;
   Rigid3 T_world_body;
-  Rigid3 T_odom_body;   // continuous (REP-105): never jumps when the map is corrected
+  Rigid3 T_odom_body;                      // continuous (REP-105): never jumps when the map is corrected
   Matrix6d covariance = Matrix6d::Zero();  // of T_world_body: (x, y, z, rot_x, rot_y, rot_z), world axes (see Rigid3)
   std::uint32_t map_version = 0;  // grows when the map was corrected as a whole (loop closure); poses may jump there
   int num_features = 0;

@@ -24,14 +24,17 @@ Pipeline::~Pipeline() = default;
 
 namespace {
 
-// The camera's covariance carried to the body, which sits at p_camera_body in the camera: its place moves with the turn.
+// The camera's covariance carried to the body, which sits at p_camera_body in the camera: its place moves with the
+// turn.
 Matrix6d covariance_of_body(const Matrix6d& covariance, const Rigid3& T_world_camera, const Rigid3& T_camera_body) {
   Matrix6d J = Matrix6d::Identity();
   J.topRightCorner<3, 3>() = -skew(T_world_camera.rotation * T_camera_body.translation);
   return J * covariance * J.transpose();
 }
 
-float ms(TimeNs span) { return static_cast<float>(to_ms(span)); }
+float ms(TimeNs span) {
+  return static_cast<float>(to_ms(span));
+}
 
 }  // namespace
 
@@ -55,8 +58,12 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   return out;
 }
 
-SmoothProblem* Pipeline::take_problem() { return impl_->tracker.take_problem(); }
-void Pipeline::give_back(SmoothProblem* problem) { impl_->tracker.give_back(problem); }
+SmoothProblem* Pipeline::take_problem() {
+  return impl_->tracker.take_problem();
+}
+void Pipeline::give_back(SmoothProblem* problem) {
+  impl_->tracker.give_back(problem);
+}
 
 std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {
   return impl_->tracker.map().keyframe_pose(keyframe);

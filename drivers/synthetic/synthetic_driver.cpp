@@ -134,8 +134,8 @@ Result<std::unique_ptr<Driver>> make_synthetic_driver(const DriverOptions& optio
 namespace synthetic {
 
 std::vector<SensorCalibration> sensor_calibrations(const SyntheticOptions& options) {
-  SensorCalibration camera{"front", SensorKind::rgbd, options.camera,
-                           1000.0, options.fps, 0.0, RobotMotion::T_body_camera()};
+  SensorCalibration camera{
+      "front", SensorKind::rgbd, options.camera, 1000.0, options.fps, 0.0, RobotMotion::T_body_camera()};
   std::vector<SensorCalibration> sensors{camera};
   if (options.labels) {
     sensors.push_back(

@@ -14,7 +14,8 @@ class FeatureGrid {
  public:
   FeatureGrid(int max_features, float min_x, float min_y, float max_x, float max_y);
 
-  void build(std::span<const float> x, std::span<const float> y);  // px, rectified; outside: clamped to the border cells
+  void build(std::span<const float> x,
+             std::span<const float> y);  // px, rectified; outside: clamped to the border cells
 
   // Calls visit(index) for every feature in cells that touch the square of half-width radius_px around (x, y).
   template <class Visit>
@@ -31,7 +32,9 @@ class FeatureGrid {
 
  private:
   static constexpr float kCellPx = 16.0F;
-  int column(float x) const { return std::clamp(static_cast<int>(std::floor((x - min_x_) / kCellPx)), 0, columns_ - 1); }
+  int column(float x) const {
+    return std::clamp(static_cast<int>(std::floor((x - min_x_) / kCellPx)), 0, columns_ - 1);
+  }
   int row(float y) const { return std::clamp(static_cast<int>(std::floor((y - min_y_) / kCellPx)), 0, rows_ - 1); }
 
   float min_x_, min_y_, max_x_, max_y_;

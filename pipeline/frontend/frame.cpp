@@ -115,9 +115,9 @@ void FrameBuilder::place(Frame& frame, int feature, float x_raw, float y_raw, fl
   frame.sigma_px[k] = sigma_px;
 }
 
-// Depth of a feature: the mean inverse depth of the readings around it that lie on the nearest surface, and how it slopes.
-// Inverse depth is linear across a plane's image, so the mean over a symmetric window has no bias; readings of the
-// background behind an edge are left out, since a corner on an edge belongs to what is in front.
+// Depth of a feature: the mean inverse depth of the readings around it that lie on the nearest surface, and how it
+// slopes. Inverse depth is linear across a plane's image, so the mean over a symmetric window has no bias; readings of
+// the background behind an edge are left out, since a corner on an edge belongs to what is in front.
 void FrameBuilder::measure_depth(const RgbdFrame& input, double noise_factor, Frame& frame) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(frame.size()); ++i) {
     const Surface surface = measure_surface(input, frame.features.x[i], frame.features.y[i]);

@@ -55,8 +55,8 @@ class FrameBuilder {
 
  private:
   struct Surface {
-    float inverse_depth = 0.0F;  // 1/m, 0 = none
-    float sigma = 1.0F;          // 1/m
+    float inverse_depth = 0.0F;            // 1/m, 0 = none
+    float sigma = 1.0F;                    // 1/m
     float slope_x = 0.0F, slope_y = 0.0F;  // 1/m per px
   };
   void rectify(Frame& frame) const;

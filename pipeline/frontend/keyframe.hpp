@@ -25,11 +25,11 @@ struct Keyframe {
   TimeNs stamp = 0;
   Rigid3 T_world_camera;
   Matrix6d covariance = Matrix6d::Zero();  // of T_world_camera (see Rigid3), as believed when it was made
-  std::int64_t parent_id = -1;  // keyframe it was tracked against
-  std::int64_t mark = -1;       // scratch, see Landmark
-  std::int32_t votes = 0;       // scratch: shared landmarks counted
+  std::int64_t parent_id = -1;             // keyframe it was tracked against
+  std::int64_t mark = -1;                  // scratch, see Landmark
+  std::int32_t votes = 0;                  // scratch: shared landmarks counted
 
-  std::span<float> x, y, sigma_px;  // px, rectified
+  std::span<float> x, y, sigma_px;                      // px, rectified
   std::span<float> inverse_depth, sigma_inverse_depth;  // 1/m; 0 = none
   std::span<std::uint8_t> level;
   std::span<Descriptor> descriptor;

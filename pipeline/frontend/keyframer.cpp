@@ -5,14 +5,14 @@
 namespace povslam {
 
 namespace {
-constexpr double kOverlap = 0.75;          // of the landmarks seen right after the last keyframe
-constexpr double kKnownShare = 0.4;        // of the features with depth: fewer known ones, and the map lacks this view
-constexpr double kMinMoveM = 0.05;         // a camera that stands still makes no keyframes
+constexpr double kOverlap = 0.75;    // of the landmarks seen right after the last keyframe
+constexpr double kKnownShare = 0.4;  // of the features with depth: fewer known ones, and the map lacks this view
+constexpr double kMinMoveM = 0.05;   // a camera that stands still makes no keyframes
 constexpr double kMinTurnRad = 0.05;
 constexpr std::int64_t kProbationKeyframes = 3;
 constexpr double kMinFoundRatio = 0.25;
-constexpr double kRedundantShare = 0.9;    // of a keyframe's landmarks…
-constexpr int kRedundantSightings = 3;     // …seen by this many others at least as closely
+constexpr double kRedundantShare = 0.9;  // of a keyframe's landmarks…
+constexpr int kRedundantSightings = 3;   // …seen by this many others at least as closely
 }  // namespace
 
 Keyframer::Keyframer(const PinholeCamera& camera, const FrontendOptions& options)
@@ -68,7 +68,8 @@ void Keyframer::keep_look(Map& map, const FrameBuilder& images, const Frame& fra
                           std::int32_t slot) const {
   const std::size_t k = static_cast<std::size_t>(feature);
   const PyramidLevel& level = images.level(frame.features.level[k]);
-  const float x = (frame.features.x[k] + 0.5F) / level.scale - 0.5F, y = (frame.features.y[k] + 0.5F) / level.scale - 0.5F;
+  const float x = (frame.features.x[k] + 0.5F) / level.scale - 0.5F,
+              y = (frame.features.y[k] + 0.5F) / level.scale - 0.5F;
   Landmark& point = map.landmark(slot);
   point.has_patch = cut_patch(level, x, y, map.patch(slot));
   if (!point.has_patch) return;
@@ -122,7 +123,8 @@ bool Keyframer::redundant(const Map& map, std::int32_t slot) const {
     for (int s = 0; s < point.num_sightings && others < kRedundantSightings; ++s) {
       const LandmarkSighting& sighting = point.sightings[static_cast<std::size_t>(s)];
       if (sighting.keyframe == slot) continue;
-      if (map.keyframe(sighting.keyframe).level[static_cast<std::size_t>(sighting.feature)] <= kf.level[f] + 1) ++others;
+      if (map.keyframe(sighting.keyframe).level[static_cast<std::size_t>(sighting.feature)] <= kf.level[f] + 1)
+        ++others;
     }
     if (others >= kRedundantSightings) ++well_seen_by_others;
   }

@@ -19,12 +19,13 @@ inline constexpr int kMaxSightings = 32;
 struct Landmark {
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d toward_camera = Eigen::Vector3d::Zero();  // unit, mean direction it was seen from
-  Descriptor descriptor{};            // the one closest to all others of its sightings
-  float reference_distance_m = 1.0F;  // of the sighting that gave the descriptor…
-  std::uint8_t reference_level = 0;   // …and its pyramid level: predicts the level at another distance
+  Descriptor descriptor{};                                  // the one closest to all others of its sightings
+  float reference_distance_m = 1.0F;                        // of the sighting that gave the descriptor…
+  std::uint8_t reference_level = 0;  // …and its pyramid level: predicts the level at another distance
   bool alive = false;
   bool has_patch = false;  // its look at first sight is kept (Map::patch)…
-  Eigen::Vector3f tangent_x = Eigen::Vector3f::Zero();  // …on a surface where one px of the patch spans these [m, world]
+  Eigen::Vector3f tangent_x =
+      Eigen::Vector3f::Zero();  // …on a surface where one px of the patch spans these [m, world]
   Eigen::Vector3f tangent_y = Eigen::Vector3f::Zero();
   std::uint32_t generation = 0;  // of the slot
   std::int64_t born_keyframe = -1;

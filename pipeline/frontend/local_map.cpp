@@ -5,9 +5,9 @@
 namespace povslam {
 
 namespace {
-constexpr std::size_t kMaxSharing = 24;    // keyframes that share landmarks with the frame
+constexpr std::size_t kMaxSharing = 24;     // keyframes that share landmarks with the frame
 constexpr std::size_t kMaxNeighbours = 16;  // of those, more keyframes
-constexpr std::size_t kMaxNear = 16;       // by place alone
+constexpr std::size_t kMaxNear = 16;        // by place alone
 constexpr std::size_t kMaxLandmarks = 6000;
 constexpr double kNearM = 4.0;
 constexpr double kSameDirection = 0.5;  // cos 60 degrees between optical axes

@@ -1,5 +1,5 @@
-// The part of the map around the camera: keyframes that share landmarks with the frame, their neighbours, keyframes that
-// stand near and look the same way, and all landmarks those see.
+// The part of the map around the camera: keyframes that share landmarks with the frame, their neighbours, keyframes
+// that stand near and look the same way, and all landmarks those see.
 #pragma once
 
 #include <cstdint>

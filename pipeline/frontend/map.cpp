@@ -9,7 +9,9 @@ namespace povslam {
 
 namespace {
 constexpr std::size_t kRememberedIds = 1 << 17;  // removed keyframes whose pose can still be asked for
-std::size_t id_slot(std::int64_t id) { return static_cast<std::size_t>(id) & (kRememberedIds - 1); }
+std::size_t id_slot(std::int64_t id) {
+  return static_cast<std::size_t>(id) & (kRememberedIds - 1);
+}
 }  // namespace
 
 Map::Map(int max_features, const MapOptions& options, std::vector<float> level_scales)

@@ -24,7 +24,7 @@ class Map {
   void remove_keyframe(std::int32_t slot);
   Keyframe& keyframe(std::int32_t slot) { return keyframes_[static_cast<std::size_t>(slot)]; }
   const Keyframe& keyframe(std::int32_t slot) const { return keyframes_[static_cast<std::size_t>(slot)]; }
-  std::int32_t find_keyframe(std::int64_t id) const;  // kNone when gone
+  std::int32_t find_keyframe(std::int64_t id) const;           // kNone when gone
   std::optional<Rigid3> keyframe_pose(std::int64_t id) const;  // also of one removed, through what it hung on
   int num_keyframes() const { return num_keyframes_; }
   std::int32_t keyframe_slots() const { return static_cast<std::int32_t>(keyframes_.size()); }
@@ -70,7 +70,7 @@ class Map {
   std::vector<std::int32_t> free_keyframes_;
   std::vector<Landmark> landmarks_;
   std::vector<std::int32_t> free_landmarks_;
-  std::vector<Ghost> ghosts_;  // by id modulo size: old ones are forgotten
+  std::vector<Ghost> ghosts_;             // by id modulo size: old ones are forgotten
   std::vector<std::int32_t> slot_of_id_;  // by id modulo size
   int num_keyframes_ = 0, num_landmarks_ = 0;
   std::int64_t next_id_ = 0;

@@ -10,8 +10,8 @@
 namespace povslam {
 
 // Bits of 256 in which two looks at one point may differ.
-inline constexpr int kMaxDistance = 90;       // prediction known
-inline constexpr int kMaxDistanceFar = 60;    // prediction poor or none
+inline constexpr int kMaxDistance = 90;        // prediction known
+inline constexpr int kMaxDistanceFar = 60;     // prediction poor or none
 inline constexpr double kNearestRatio = 0.85;  // best against runner-up of the same level
 
 struct MatchCandidate {

@@ -14,7 +14,8 @@ class MotionModel {
   bool known() const { return known_; }
 
   Rigid3 predict(TimeNs dt) const;  // T_before_now over the coming dt, identity if not known
-  // Speed at the end of a motion, (m/s, rad/s) in the camera's own axes: its mean, and half the change since the last one.
+  // Speed at the end of a motion, (m/s, rad/s) in the camera's own axes: its mean, and half the change since the last
+  // one.
   Vector6d speed_after(const Rigid3& T_before_now, TimeNs dt) const;
 
  private:

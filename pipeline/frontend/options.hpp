@@ -6,9 +6,9 @@
 namespace povslam {
 
 // Measurement noise, one standard deviation.
-struct NoiseOptions {  // the tracker learns factors on these
+struct NoiseOptions {                           // the tracker learns factors on these
   double pixel_sigma_px = 0.8;                  // feature position on pyramid level 0; grows with the level's scale
-  double patch_sigma_px = 0.15;                   // of a position found by fitting the landmark's patch, likewise
+  double patch_sigma_px = 0.15;                 // of a position found by fitting the landmark's patch, likewise
   double depth_sigma_quadratic_per_m = 0.0025;  // sigma_z = this * z^2: of inverse depth [1/m] a constant
   double depth_sigma_floor_m = 0.003;           // added in quadrature
   double min_depth_m = 0.3;

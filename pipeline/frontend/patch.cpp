@@ -6,8 +6,8 @@ namespace povslam {
 
 namespace {
 
-constexpr int kSide = 10;              // px: window that is fitted
-constexpr int kBorder = kSide + 2;     // with a rim for gradients
+constexpr int kSide = 10;           // px: window that is fitted
+constexpr int kBorder = kSide + 2;  // with a rim for gradients
 constexpr int kPixels = kSide * kSide;
 constexpr int kMaxIterations = 12;
 constexpr float kSettledPx = 0.01F;
@@ -22,7 +22,8 @@ struct Template {
 // Samples the patch on the image's grid. False when the warp needs more of the patch than there is.
 bool sample(const Patch& patch, const float a[4], float* out) {
   const float middle = 0.5F * (kBorder - 1);
-  const float reach_x = middle * (std::abs(a[0]) + std::abs(a[1])), reach_y = middle * (std::abs(a[2]) + std::abs(a[3]));
+  const float reach_x = middle * (std::abs(a[0]) + std::abs(a[1])),
+              reach_y = middle * (std::abs(a[2]) + std::abs(a[3]));
   const float centre = static_cast<float>(kPatchSide / 2);
   if (reach_x > centre - 1.5F || reach_y > centre - 1.5F) return false;
   for (int v = 0; v < kBorder; ++v) {

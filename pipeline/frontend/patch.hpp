@@ -1,6 +1,7 @@
 // Where exactly a known little piece of surface lies in an image: its look at first sight, warped to the present view
 // and shifted until it fits (inverse-compositional Lucas-Kanade; Baker & Matthews, IJCV 2004). A feature detector
-// places a corner to about half a pixel, anew in each image; this places it to about a tenth, always against the same look.
+// places a corner to about half a pixel, anew in each image; this places it to about a tenth, always against the same
+// look.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 namespace povslam {
 
 namespace {
-constexpr float kMaxShiftPx = 2.5F;       // of the level searched: how far a detector may have been off
+constexpr float kMaxShiftPx = 2.5F;  // of the level searched: how far a detector may have been off
 constexpr float kMinCorrelation = 0.8F;
 constexpr double kSmallest = 0.4;  // px of level 0 a patch pixel must cover, or it is seen too small to fit
 }  // namespace
@@ -19,7 +19,9 @@ PatchRefiner::PatchRefiner(const PinholeCamera& camera, const FrontendOptions& o
       noise_(static_cast<std::size_t>(options.orb.num_features)),
       level_scale_(static_cast<std::size_t>(options.orb.num_features), 0.0F) {}
 
-void PatchRefiner::start(const Frame& frame) { std::fill_n(level_scale_.begin(), frame.size(), 0.0F); }
+void PatchRefiner::start(const Frame& frame) {
+  std::fill_n(level_scale_.begin(), frame.size(), 0.0F);
+}
 
 bool PatchRefiner::refine(Map& map, std::int32_t landmark, const FrameBuilder& images, const Rigid3& T_camera_world,
                           Frame& frame, int feature) {

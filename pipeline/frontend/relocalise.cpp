@@ -25,8 +25,7 @@ struct Lcg {
 };
 }  // namespace
 
-Relocaliser::Relocaliser(const PinholeCamera& camera, const FrontendOptions& options)
-    : camera_(camera) {
+Relocaliser::Relocaliser(const PinholeCamera& camera, const FrontendOptions& options) : camera_(camera) {
   const std::size_t n = static_cast<std::size_t>(options.orb.num_features);
   pairs_.reserve(n);
   pair_of_feature_.resize(n);

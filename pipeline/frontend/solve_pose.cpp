@@ -16,7 +16,9 @@ struct Normal {
 };
 
 // Huber's weight for a squared whitened residual.
-double huber_weight(double chi2, double limit) { return chi2 <= limit ? 1.0 : std::sqrt(limit / chi2); }
+double huber_weight(double chi2, double limit) {
+  return chi2 <= limit ? 1.0 : std::sqrt(limit / chi2);
+}
 
 struct Residual {
   double ru = 0.0, rv = 0.0, rd = 0.0;

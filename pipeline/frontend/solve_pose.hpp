@@ -12,12 +12,12 @@ namespace povslam {
 
 struct PoseObservation {
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
-  double u_px = 0.0, v_px = 0.0;         // rectified
-  double inverse_depth_per_m = 0.0;      // 0 = none
-  double weight_px = 1.0;                // 1 / sigma^2 [1/px^2]
-  double weight_inverse_depth = 0.0;     // 1 / sigma^2 [m^2]
-  bool fits = true;                      // answer: the pixel agrees
-  bool depth_fits = true;                // answer: there is a depth and it agrees
+  double u_px = 0.0, v_px = 0.0;      // rectified
+  double inverse_depth_per_m = 0.0;   // 0 = none
+  double weight_px = 1.0;             // 1 / sigma^2 [1/px^2]
+  double weight_inverse_depth = 0.0;  // 1 / sigma^2 [m^2]
+  bool fits = true;                   // answer: the pixel agrees
+  bool depth_fits = true;             // answer: there is a depth and it agrees
 };
 
 struct PoseSolution {
@@ -30,8 +30,8 @@ struct PoseSolution {
 };
 
 struct PoseSolverOptions {
-  int rounds = 4;       // each: iterate, then decide again what fits
-  int iterations = 6;   // at most, per round
+  int rounds = 4;             // each: iterate, then decide again what fits
+  int iterations = 6;         // at most, per round
   double chi2_pixel = 5.991;  // 2 dof, 95 %
   double chi2_depth = 6.635;  // 1 dof, 99 %
   double first_gate = 1.0;    // factor on both limits in the first round: wider for a poor start

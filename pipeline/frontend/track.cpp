@@ -8,13 +8,13 @@
 namespace povslam {
 
 namespace {
-constexpr int kMinToStart = 80;         // features with depth to begin a map
-constexpr int kMinFromLast = 20;        // points of the last frame that must agree on a pose…
-constexpr double kMinFitting = 0.4;     // …and their share of those matched
-constexpr double kMinAgreement = 0.5;   // of thumbnails before the turn they tell is believed
-constexpr int kMinToRelocalise = 40;    // fitting landmarks before a found place is believed
-constexpr int kSearchedPerFrame = 3;    // keyframes tried each frame while lost
-constexpr float kWide = 4.0F;           // widening of the local search around a found place
+constexpr int kMinToStart = 80;          // features with depth to begin a map
+constexpr int kMinFromLast = 20;         // points of the last frame that must agree on a pose…
+constexpr double kMinFitting = 0.4;      // …and their share of those matched
+constexpr double kMinAgreement = 0.5;    // of thumbnails before the turn they tell is believed
+constexpr int kMinToRelocalise = 40;     // fitting landmarks before a found place is believed
+constexpr int kSearchedPerFrame = 3;     // keyframes tried each frame while lost
+constexpr float kWide = 4.0F;            // widening of the local search around a found place
 constexpr double kUnseenSpeedMps = 1.0;  // how fast the pose may leave us while nothing is seen
 constexpr double kUnseenTurnRadps = 1.0;
 }  // namespace
@@ -241,8 +241,7 @@ void Tracker::accept(const PoseSolution& solution) {
   result_.T_world_camera = solution.T_camera_world.inverse();
   result_.num_landmarks = solution.num_inliers;
   if (local_map_.reference() != kNone) reference_id_ = map_.keyframe(local_map_.reference()).id;
-  result_.covariance =
-      covariance_to_landmarks(solution) + covariance_of_anchors(map_, frame_, result_.T_world_camera);
+  result_.covariance = covariance_to_landmarks(solution) + covariance_of_anchors(map_, frame_, result_.T_world_camera);
 }
 
 // The newest place first, then the whole map in turn, a few keyframes a frame.
@@ -310,8 +309,7 @@ void Tracker::upkeep() {
     result_.keyframe = true;
     keyframer_.cull(map_, newest_keyframe_);
     std::copy_n(map_.keyframe(newest_keyframe_).landmark.begin(), frame_.size(), frame_.landmark.begin());
-    if (problem_state_ == ProblemState::idle &&
-        smooth_exchange_.cut(map_, newest_keyframe_, frame_.index, problem_)) {
+    if (problem_state_ == ProblemState::idle && smooth_exchange_.cut(map_, newest_keyframe_, frame_.index, problem_)) {
       problem_state_ = ProblemState::offered;
     }
   }

@@ -1,6 +1,6 @@
 // The tracker: each frame's camera pose against the map it builds on the way. One thread; after the first frames it
-// neither allocates nor locks. Order of attempts: where motion predicts it, where the images say the camera turned, ever
-// wider; then the local map. Failing all, the pose is held, its covariance grows, and the map is searched.
+// neither allocates nor locks. Order of attempts: where motion predicts it, where the images say the camera turned,
+// ever wider; then the local map. Failing all, the pose is held, its covariance grows, and the map is searched.
 #pragma once
 
 #include "pipeline/frames/calibration.hpp"

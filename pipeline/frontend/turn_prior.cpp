@@ -32,7 +32,8 @@ void shrink(const PyramidLevel& level, int width, int height, std::vector<float>
         const std::uint8_t* row = level.pixels + v * level.stride;
         for (int u = x0; u < x1; ++u) sum += row[u];
       }
-      out[static_cast<std::size_t>(y * width + x)] = static_cast<float>(sum) / static_cast<float>((y1 - y0) * (x1 - x0));
+      out[static_cast<std::size_t>(y * width + x)] =
+          static_cast<float>(sum) / static_cast<float>((y1 - y0) * (x1 - x0));
     }
   }
 }

@@ -1,6 +1,6 @@
 // How the camera turned between two images, from the images alone: thumbnails aligned by a pure rotation
-// (inverse-compositional Gauss-Newton on brightness, coarse to fine). Survives blur and jerks that leave feature matching
-// without a usable prediction; translation shows up as the turn that explains the picture's shift best.
+// (inverse-compositional Gauss-Newton on brightness, coarse to fine). Survives blur and jerks that leave feature
+// matching without a usable prediction; translation shows up as the turn that explains the picture's shift best.
 #pragma once
 
 #include <Eigen/Geometry>

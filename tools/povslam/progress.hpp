@@ -11,7 +11,7 @@ namespace povslam {
 class Progress {
  public:
   Progress(std::string title, std::size_t total);  // total 0: unknown, a counter is shown instead of a bar
-  ~Progress();                                      // ends the line
+  ~Progress();                                     // ends the line
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
