@@ -16,7 +16,7 @@ constexpr int kRedundantSightings = 3;   // …seen by this many others at least
 }  // namespace
 
 Keyframer::Keyframer(const PinholeCamera& camera, const FrontendOptions& options)
-    : camera_(camera), options_(options.map), max_depth_m_(options.noise.max_depth_m) {
+    : camera_(camera), options_(options.map), triangulator_(camera, options) {
   recent_.reserve(static_cast<std::size_t>(options.orb.num_features) * 16);
 }
 
@@ -47,6 +47,7 @@ std::int32_t Keyframer::insert(Map& map, const FrameBuilder& images, Frame& fram
   }
   create_landmarks(map, images, frame, slot);
   map.update_covisibility(slot);
+  triangulate_landmarks(map, images, frame, slot);
   return slot;
 }
 
@@ -59,8 +60,20 @@ void Keyframer::create_landmarks(Map& map, const FrameBuilder& images, Frame& fr
     if (made == kNone) return;
     frame.landmark[k] = made;
     keep_look(map, images, frame, i, made);
-    if (recent_.size() < recent_.capacity()) recent_.push_back({made, map.landmark(made).generation});
+    put_on_probation(map, made);
   }
+}
+
+void Keyframer::triangulate_landmarks(Map& map, const FrameBuilder& images, Frame& frame, std::int32_t slot) {
+  for (const Triangulator::Made& made : triangulator_.create(map, slot)) {
+    frame.landmark[static_cast<std::size_t>(made.feature)] = made.landmark;
+    keep_look(map, images, frame, made.feature, made.landmark);
+    put_on_probation(map, made.landmark);
+  }
+}
+
+void Keyframer::put_on_probation(const Map& map, std::int32_t landmark) {
+  if (recent_.size() < recent_.capacity()) recent_.push_back({landmark, map.landmark(landmark).generation});
 }
 
 // The patch of the image around the feature, and the piece of surface that one pixel of it covers.
@@ -73,7 +86,7 @@ void Keyframer::keep_look(Map& map, const FrameBuilder& images, const Frame& fra
   Landmark& point = map.landmark(slot);
   point.has_patch = cut_patch(level, x, y, map.patch(slot));
   if (!point.has_patch) return;
-  const double inverse = frame.inverse_depth[k];
+  const double inverse = 1.0 / (frame.T_camera_world * point.p_world).z();
   const Eigen::Vector3d ray((frame.x[k] - camera_.cx) / camera_.fx, (frame.y[k] - camera_.cy) / camera_.fy, 1.0);
   const Eigen::Vector3d dx(level.scale / camera_.fx, 0.0, 0.0), dy(0.0, level.scale / camera_.fy, 0.0);
   const Eigen::Quaterniond R_world_camera = frame.T_camera_world.rotation.conjugate();

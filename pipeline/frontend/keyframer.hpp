@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/frontend/map.hpp"
+#include "pipeline/frontend/triangulate.hpp"
 #include "pipeline/geometry/camera.hpp"
 
 namespace povslam {
@@ -25,12 +26,14 @@ class Keyframer {
 
  private:
   void create_landmarks(Map& map, const FrameBuilder& images, Frame& frame, std::int32_t slot);
+  void triangulate_landmarks(Map& map, const FrameBuilder& images, Frame& frame, std::int32_t slot);
+  void put_on_probation(const Map& map, std::int32_t landmark);
   void keep_look(Map& map, const FrameBuilder& images, const Frame& frame, int feature, std::int32_t landmark) const;
   bool redundant(const Map& map, std::int32_t slot) const;
 
   PinholeCamera camera_;
   MapOptions options_;
-  double max_depth_m_;
+  Triangulator triangulator_;
   int most_inliers_ = 0;  // since the last keyframe: how many landmarks a frame like it sees
   struct Recent {
     std::int32_t slot;

@@ -8,7 +8,7 @@
 namespace povslam {
 
 namespace {
-constexpr int kMinToStart = 80;          // features with depth to begin a map
+constexpr int kMinToStart = 40;          // features with depth to begin a map
 constexpr int kMinFromLast = 20;         // points of the last frame that must agree on a pose…
 constexpr double kMinFitting = 0.4;      // …and their share of those matched
 constexpr double kMinAgreement = 0.5;    // of thumbnails before the turn they tell is believed
