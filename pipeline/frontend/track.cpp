@@ -224,7 +224,7 @@ void Tracker::learn_noise(const PoseSolution& solution) {
     const double dv = camera_.fy * p.y() / p.z() + camera_.cy - o.v_px;
     refiner_.learn(observed_feature_[i], std::hypot(du, dv));
   }
-  depth_noise_.finish(0.6745);  // median of a standard normal's absolute value
+  depth_noise_.finish(1.1503);  // of a standard normal's absolute value
   refiner_.finish_learning();
 }
 
