@@ -60,6 +60,10 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     if (start_map()) name_reference();
   } else {
     const bool tracked = track_frame();
+    if (tracked && rolling_shutter_s_ != 0.0 && frame_.index == map_.keyframe(newest_keyframe_).frame_index + 1 &&
+        map_.next_keyframe_id() == 1) {
+      restart_map();
+    }
     posed = thread_cpu_now();
     update_state(tracked);
     if (tracked) upkeep();
@@ -81,6 +85,32 @@ bool Tracker::start_map() {
   result_.keyframe = true;
   result_.num_landmarks = map_.num_landmarks();
   return true;
+}
+
+// A map begun while a rolling shutter's camera was turning is bent: nothing was known then of its speed. With the
+// second frame it is, so both are straightened, the motion between them found again, and the map begins there.
+void Tracker::restart_map() {
+  constexpr int kRounds = 3;
+  std::fill_n(last_.landmark.begin(), last_.size(), kNone);
+  for (int round = 0; round < kRounds; ++round) {
+    const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
+    const Vector6d speed = se3_log(T_before_now) / to_seconds(frame_.stamp - last_.stamp);
+    last_.compensate_motion(camera_, speed, rolling_shutter_s_);
+    frame_.compensate_motion(camera_, speed, rolling_shutter_s_);
+    search_.match_last(map_, last_, frame_, frame_.T_camera_world, static_cast<float>(options_.track.search_radius_px),
+                       matcher_);
+    observe_matches();
+    const PoseSolution solution = solve_pose(camera_, frame_.T_camera_world, observations_, PoseSolverOptions{});
+    if (!solution.converged || solution.num_inliers < kMinFromLast) return;
+    local_map_.forget();
+    std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+    accept(solution);
+  }
+  const std::int32_t bent = newest_keyframe_;
+  newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, -1);
+  map_.remove_keyframe(bent, newest_keyframe_);
+  reference_id_ = map_.keyframe(newest_keyframe_).id;
+  result_.keyframe = true;
 }
 
 bool Tracker::track_frame() {

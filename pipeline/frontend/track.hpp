@@ -45,6 +45,7 @@ class Tracker {
 
  private:
   bool start_map();
+  void restart_map();
   bool track_frame();
   bool track_from_last();
   int match_last(const Rigid3& T_camera_world, float radius_px);
