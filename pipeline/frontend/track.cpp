@@ -304,9 +304,12 @@ void Tracker::hold_pose() {
   motion_.forget();
   matches_of_last_ = 0;
   result_.num_landmarks = 0;
-  const double dt_s = std::clamp(to_seconds(frame_.stamp - last_.stamp), 0.0, 1.0);
-  result_.covariance.topLeftCorner<3, 3>().diagonal().array() += std::pow(kUnseenSpeedMps * dt_s, 2);
-  result_.covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kUnseenTurnRadps * dt_s, 2);
+  // The error grows with the time unseen, not with its root: a moving robot keeps its direction.
+  const double before_s = unseen_s_;
+  unseen_s_ += std::max(0.0, to_seconds(frame_.stamp - last_.stamp));
+  const double grown_s2 = unseen_s_ * unseen_s_ - before_s * before_s;
+  result_.covariance.topLeftCorner<3, 3>().diagonal().array() += kUnseenSpeedMps * kUnseenSpeedMps * grown_s2;
+  result_.covariance.bottomRightCorner<3, 3>().diagonal().array() += kUnseenTurnRadps * kUnseenTurnRadps * grown_s2;
 }
 
 // States change with hysteresis: OK is left at once when support is weak and regained after several good frames.
@@ -321,11 +324,13 @@ void Tracker::update_state(bool tracked) {
   }
   const bool followed = bad_frames_ == 0;  // else the last pose was only held
   bad_frames_ = 0;
+  unseen_s_ = 0.0;
   good_frames_ = result_.num_landmarks >= limits.min_inliers_ok ? good_frames_ + 1 : 0;
   const bool ok = result_.state == TrackState::ok ? good_frames_ > 0 : good_frames_ >= limits.frames_to_recover;
   result_.state = ok ? TrackState::ok : TrackState::degraded;
+  if (!followed) return;  // odom goes on from where it stood: what happened unseen is the map's to know
   const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
-  if (followed) motion_.moved(T_before_now, frame_.stamp - last_.stamp);
+  motion_.moved(T_before_now, frame_.stamp - last_.stamp);
   result_.T_odom_camera = result_.T_odom_camera * T_before_now;
 }
 
