@@ -1,5 +1,5 @@
-# Shared by the experiments; to be sourced after `usage_lines` and the arguments are read. POSIX shell.
-# Offers experiment_start, alone_in_a_network, mount, figure, median and a folder $work that goes away at the end.
+# Shared by the experiments; to be sourced: `. tools/experiments/common.sh`. POSIX shell.
+# A folder $work goes away at the end, and with it what was started.
 # POVSLAM_BIN names a folder with built programs to use in place of building them here.
 
 . "$(dirname "$0")/../setup.sh"
@@ -54,7 +54,7 @@ simulated_daemon() {
   children="$children $daemon"
 }
 
-# listener FILE: starts povslam listen, which writes the camera's trajectory to FILE and its words to FILE.log.
+# start_listener FILE: starts povslam listen, which writes the camera's trajectory to FILE and its words to FILE.log.
 start_listener() {
   ${pinned:-} "$bin/povslam" listen --rate 0 --out "$1" --camera "$mount_m $mount_q" >"$1.log" &
   listener=$!
@@ -65,6 +65,25 @@ stop_listener() {
   sleep 0.5
   kill -INT "$listener"
   wait "$listener" || povslam_die "the listener failed"
+}
+
+# print_frames LISTENED SENT: from the last health message; each frame sent must be tracked, lost, or dropped for a reason.
+print_frames() {
+  grep '^health:' "$1" | tail -1 | awk -v sent="$2" '
+    function number(pattern) { return match($0, pattern) ? substr($0, RSTART, RLENGTH) + 0 : 0 }
+    {
+      delivered = number("[0-9]+ in "); tracked = number("[0-9]+ tracked"); lost = number("[0-9]+ lost")
+      printf "frames sent %d: delivered %d, tracked %d, lost %d", sent, delivered, tracked, lost
+      sum = tracked + lost
+      count = split("ring_full bad_frame gap late unused", reason)
+      for (i = 1; i <= count; i++) {
+        dropped = number("[0-9]+ " reason[i])
+        sum += dropped
+        printf ", %s %d", reason[i], dropped
+      }
+      printf "\nsum %d: %s\n", sum, sum == sent ? "each is accounted for" : "DIFFERS by " sent - sum
+      exit sum != sent
+    }'
 }
 
 # figure FILE KEY…: the number at that path of a JSON file.
