@@ -2,7 +2,7 @@
 //
 // Options:
 //   path                      the folder
-//   camera                    tum1 | tum2 | tum3 | 7scenes or a camera.yaml file, for a folder without camera.yaml
+//   camera                    tum1 | tum2 | tum3 | 7scenes | 7scenes_registered or a camera.yaml file, for a folder without camera.yaml
 //   frames                    "A:B", the main camera's frames A to B - 1; either side may be left out or negative
 //   realtime                  true: next() returns when the frame is due by its stamp (gaps above 1 s are cut to 1 s)
 //   labels                    true | false (default) | auto: class labels of the main camera (auto: if recorded)

@@ -25,7 +25,7 @@ struct Keyframe {
   TimeNs stamp = 0;
   Rigid3 T_world_camera;
   Matrix6d covariance = Matrix6d::Zero();  // of T_world_camera (see Rigid3), as believed when it was made
-  std::int64_t parent_id = -1;             // keyframe it was tracked against
+  std::int64_t parent_id = -1;             // keyframe it was tracked against; -1: the first, where the world hangs
   std::int64_t mark = -1;                  // scratch, see Landmark
   std::int32_t votes = 0;                  // scratch: shared landmarks counted
 

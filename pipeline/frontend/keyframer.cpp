@@ -119,7 +119,7 @@ void Keyframer::cull(Map& map, std::int32_t newest) {
   const Keyframe& kf = map.keyframe(newest);
   for (int c = 0; c < kf.num_covisible; ++c) {
     const std::int32_t slot = kf.covisible[static_cast<std::size_t>(c)].keyframe;
-    if (map.keyframe(slot).id == 0 || now - map.keyframe(slot).id < 3 || !redundant(map, slot)) continue;
+    if (map.keyframe(slot).parent_id < 0 || now - map.keyframe(slot).id < 3 || !redundant(map, slot)) continue;
     map.remove_keyframe(slot);
     return;
   }

@@ -22,6 +22,8 @@ class LocalMap {
   // Collects around a pose and the landmarks the frame already saw (frame.landmark).
   void collect(Map& map, const Frame& frame, const Rigid3& T_world_camera);
 
+  void forget() { keyframes_.clear(), landmarks_.clear(); }  // before the map changes under it
+
   std::span<const std::int32_t> keyframes() const { return keyframes_; }  // most shared landmarks first
   std::span<const LocalLandmark> landmarks() const { return landmarks_; }
   std::int32_t reference() const { return keyframes_.empty() ? kNone : keyframes_.front(); }

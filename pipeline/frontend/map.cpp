@@ -122,10 +122,10 @@ void Map::leave_ghost(const Keyframe& kf, std::int32_t heir) {
   ghost.T_parent_camera = keyframe(heir).T_world_camera.inverse() * kf.T_world_camera;
 }
 
-void Map::remove_keyframe(std::int32_t slot) {
+void Map::remove_keyframe(std::int32_t slot, std::int32_t heir) {
   Keyframe& kf = keyframe(slot);
   EXPECTS(kf.alive);
-  const std::int32_t heir = kf.num_covisible > 0 ? kf.covisible[0].keyframe : find_keyframe(kf.parent_id);
+  if (heir == kNone) heir = kf.num_covisible > 0 ? kf.covisible[0].keyframe : find_keyframe(kf.parent_id);
   leave_ghost(kf, heir);
   for (const std::int32_t seen : kf.landmark) {
     if (seen != kNone) remove_sighting(seen, slot);

@@ -21,7 +21,8 @@ class Map {
   // Keyframes. Slots are reused, ids are not.
   std::int32_t insert_keyframe(const Frame& frame, const Rigid3& T_world_camera, const Matrix6d& covariance,
                                std::int64_t parent_id);  // makes room by evicting when full
-  void remove_keyframe(std::int32_t slot);
+  // heir: what its pose hangs on from now on; kNone: its most covisible neighbour.
+  void remove_keyframe(std::int32_t slot, std::int32_t heir = kNone);
   Keyframe& keyframe(std::int32_t slot) { return keyframes_[static_cast<std::size_t>(slot)]; }
   const Keyframe& keyframe(std::int32_t slot) const { return keyframes_[static_cast<std::size_t>(slot)]; }
   std::int32_t find_keyframe(std::int64_t id) const;           // kNone when gone

@@ -24,7 +24,7 @@ class PatchRefiner {
   // Residuals of placed features teach how well patches fit on this camera: start, learn each, finish.
   void start_learning() { noise_.start(); }
   void learn(int feature, double residual_px);
-  void finish_learning() { noise_.finish(1.1774); }  // median length of a two-dimensional standard normal
+  void finish_learning() { noise_.finish(1.6651); }  // of the length of a two-dimensional standard normal
 
  private:
   PinholeCamera camera_;

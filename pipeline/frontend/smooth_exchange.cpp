@@ -87,10 +87,10 @@ bool SmoothExchange::cut(Map& map, std::int32_t slot, std::int64_t frame_index, 
   if (kf.num_covisible == 0) return false;
   std::fill(pose_of_keyframe_.begin(), pose_of_keyframe_.end(), -1);
   std::fill(point_of_landmark_.begin(), point_of_landmark_.end(), -1);
-  add_pose(map, slot, kf.id == 0, problem);  // the first keyframe of all is where the world hangs
+  add_pose(map, slot, kf.parent_id < 0, problem);  // the first keyframe of all is where the world hangs
   for (int c = 0; c < kf.num_covisible && static_cast<int>(problem.poses.size()) < options_.smooth_max_poses; ++c) {
     const std::int32_t neighbour = kf.covisible[static_cast<std::size_t>(c)].keyframe;
-    add_pose(map, neighbour, map.keyframe(neighbour).id == 0, problem);
+    add_pose(map, neighbour, map.keyframe(neighbour).parent_id < 0, problem);
   }
   add_points(map, 0, problem.poses.size(), problem);
   add_fixed_poses(map, problem);

@@ -60,6 +60,10 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     if (start_map()) name_reference();
   } else {
     const bool tracked = track_frame();
+    if (tracked && rolling_shutter_s_ != 0.0 && frame_.index == map_.keyframe(newest_keyframe_).frame_index + 1 &&
+        map_.next_keyframe_id() == 1) {
+      restart_map();
+    }
     posed = thread_cpu_now();
     update_state(tracked);
     if (tracked) upkeep();
@@ -81,6 +85,32 @@ bool Tracker::start_map() {
   result_.keyframe = true;
   result_.num_landmarks = map_.num_landmarks();
   return true;
+}
+
+// A map begun while a rolling shutter's camera was turning is bent: nothing was known then of its speed. With the
+// second frame it is, so both are straightened, the motion between them found again, and the map begins there.
+void Tracker::restart_map() {
+  constexpr int kRounds = 3;
+  std::fill_n(last_.landmark.begin(), last_.size(), kNone);
+  for (int round = 0; round < kRounds; ++round) {
+    const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
+    const Vector6d speed = se3_log(T_before_now) / to_seconds(frame_.stamp - last_.stamp);
+    last_.compensate_motion(camera_, speed, rolling_shutter_s_);
+    frame_.compensate_motion(camera_, speed, rolling_shutter_s_);
+    search_.match_last(map_, last_, frame_, frame_.T_camera_world, static_cast<float>(options_.track.search_radius_px),
+                       matcher_);
+    observe_matches();
+    const PoseSolution solution = solve_pose(camera_, frame_.T_camera_world, observations_, PoseSolverOptions{});
+    if (!solution.converged || solution.num_inliers < kMinFromLast) return;
+    local_map_.forget();
+    std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+    accept(solution);
+  }
+  const std::int32_t bent = newest_keyframe_;
+  newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, -1);
+  map_.remove_keyframe(bent, newest_keyframe_);
+  reference_id_ = map_.keyframe(newest_keyframe_).id;
+  result_.keyframe = true;
 }
 
 bool Tracker::track_frame() {
@@ -224,7 +254,7 @@ void Tracker::learn_noise(const PoseSolution& solution) {
     const double dv = camera_.fy * p.y() / p.z() + camera_.cy - o.v_px;
     refiner_.learn(observed_feature_[i], std::hypot(du, dv));
   }
-  depth_noise_.finish(0.6745);  // median of a standard normal's absolute value
+  depth_noise_.finish(1.1503);  // of a standard normal's absolute value
   refiner_.finish_learning();
 }
 
@@ -274,9 +304,12 @@ void Tracker::hold_pose() {
   motion_.forget();
   matches_of_last_ = 0;
   result_.num_landmarks = 0;
-  const double dt_s = std::clamp(to_seconds(frame_.stamp - last_.stamp), 0.0, 1.0);
-  result_.covariance.topLeftCorner<3, 3>().diagonal().array() += std::pow(kUnseenSpeedMps * dt_s, 2);
-  result_.covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kUnseenTurnRadps * dt_s, 2);
+  // The error grows with the time unseen, not with its root: a moving robot keeps its direction.
+  const double before_s = unseen_s_;
+  unseen_s_ += std::max(0.0, to_seconds(frame_.stamp - last_.stamp));
+  const double grown_s2 = unseen_s_ * unseen_s_ - before_s * before_s;
+  result_.covariance.topLeftCorner<3, 3>().diagonal().array() += kUnseenSpeedMps * kUnseenSpeedMps * grown_s2;
+  result_.covariance.bottomRightCorner<3, 3>().diagonal().array() += kUnseenTurnRadps * kUnseenTurnRadps * grown_s2;
 }
 
 // States change with hysteresis: OK is left at once when support is weak and regained after several good frames.
@@ -291,11 +324,13 @@ void Tracker::update_state(bool tracked) {
   }
   const bool followed = bad_frames_ == 0;  // else the last pose was only held
   bad_frames_ = 0;
+  unseen_s_ = 0.0;
   good_frames_ = result_.num_landmarks >= limits.min_inliers_ok ? good_frames_ + 1 : 0;
   const bool ok = result_.state == TrackState::ok ? good_frames_ > 0 : good_frames_ >= limits.frames_to_recover;
   result_.state = ok ? TrackState::ok : TrackState::degraded;
+  if (!followed) return;  // odom goes on from where it stood: what happened unseen is the map's to know
   const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
-  if (followed) motion_.moved(T_before_now, frame_.stamp - last_.stamp);
+  motion_.moved(T_before_now, frame_.stamp - last_.stamp);
   result_.T_odom_camera = result_.T_odom_camera * T_before_now;
 }
 

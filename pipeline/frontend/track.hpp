@@ -45,6 +45,7 @@ class Tracker {
 
  private:
   bool start_map();
+  void restart_map();
   bool track_frame();
   bool track_from_last();
   int match_last(const Rigid3& T_camera_world, float radius_px);
@@ -89,6 +90,7 @@ class Tracker {
   std::int64_t reference_id_ = -1;
   int matches_of_last_ = 0;  // points of the frame before last that the last one showed
   int good_frames_ = 0, bad_frames_ = 0;
+  double unseen_s_ = 0.0;  // since the last tracked frame, while none is
   std::int32_t search_cursor_ = 0;
 
   SmoothProblem problem_;

@@ -86,7 +86,7 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->add_option("--set", arguments->overrides, "key=value as in the configuration file; repeatable")
       ->allow_extra_args(false);
   command->add_option("--camera", arguments->camera,
-                      "camera.yaml or tum1|tum2|tum3|7scenes, for a sequence without camera.yaml");
+                      "camera.yaml or tum1|tum2|tum3|7scenes|7scenes_registered, for a sequence without camera.yaml");
   command->add_option("--frames", arguments->frames, "A:B: only frames A to B - 1");
   command->add_option(
       "--start", arguments->start,

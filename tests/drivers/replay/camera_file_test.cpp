@@ -79,7 +79,7 @@ TEST(CameraFile, SurvivesWhatIsNoYaml) {
 
 TEST(CameraPresets, AreAllReadableAndWithinTheirImages) {
   const auto names = camera_preset_names();
-  EXPECT_THAT(names, testing::UnorderedElementsAre("tum1", "tum2", "tum3", "7scenes"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre("tum1", "tum2", "tum3", "7scenes", "7scenes_registered"));
   for (const std::string& name : names) {
     const auto camera = find_camera(name);
     ASSERT_TRUE(camera) << camera.error().message;
@@ -88,9 +88,9 @@ TEST(CameraPresets, AreAllReadableAndWithinTheirImages) {
   EXPECT_EQ(find_camera("tum1")->color.fx, 517.306408);
   EXPECT_EQ(find_camera("tum1")->depth_scale, 5000.0);
   EXPECT_FALSE(find_camera("tum1")->depth);
-  EXPECT_TRUE(find_camera("7scenes")->depth) << "that data set's depth is not registered";
+  EXPECT_TRUE(find_camera("7scenes_registered")->depth) << "that data set's depth is not registered";
   EXPECT_THAT(find_camera("tum9").error().message,
-              HasSubstr("neither a file nor a preset (7scenes, tum1, tum2, tum3)"));
+              HasSubstr("neither a file nor a preset (7scenes, 7scenes_registered, tum1, tum2, tum3)"));
 }
 
 TEST(SensorsFile, SaysWhereEachSensorSits) {
