@@ -80,7 +80,7 @@ TEST(Pipeline, IsNeverLostOnAWholeLap) {
 }
 
 TEST(Pipeline, KnowsHowFarItMayBeOff) {
-  constexpr double kSeeds = 10;
+  constexpr int kSeeds = 10;
   double mean = 0.0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Ride ride(seed);
