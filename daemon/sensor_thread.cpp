@@ -63,7 +63,7 @@ void SensorThread::run(const std::stop_token& stop) {
       case Next::Kind::end:
         log::info("{}: the stream is over", options_.name);
         counters_.sensors_up.fetch_sub(1);
-        on_end_();
+        if (on_end_) on_end_();
         return;
       case Next::Kind::failed:
         if (!reopen(stop, next.message)) return;
