@@ -23,7 +23,11 @@ if(EXISTS ${PROJECT_SOURCE_DIR}/tools/povslam/main.cpp)
   target_link_libraries(povslam PRIVATE povslam_tool)
   install(TARGETS povslam DESTINATION bin)
 endif()
-install(FILES config/povslam.toml DESTINATION /etc/povslam)
+# The robot's own configuration stays as it is when a newer povslam is installed over an older one.
+install(CODE "
+  if(NOT EXISTS \"\$ENV{DESTDIR}/etc/povslam/povslam.toml\")
+    file(INSTALL DESTINATION /etc/povslam TYPE FILE FILES \"${PROJECT_SOURCE_DIR}/config/povslam.toml\")
+  endif()")
 install(FILES systemd/povslamd.service DESTINATION lib/systemd/system)
 install(FILES systemd/povslam.sysusers DESTINATION lib/sysusers.d RENAME povslam.conf)
 install(FILES systemd/povslam.tmpfiles DESTINATION lib/tmpfiles.d RENAME povslam.conf)

@@ -17,7 +17,7 @@ Status set_up_log(const LogConfig& config) {
     try {
       sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(config.file));
     } catch (const spdlog::spdlog_ex& error) {
-      return Error{"log.file: " + std::string(error.what()) + "; the folder must exist and be writable"};
+      return Error{"log.file: " + std::string(error.what()) + "; the file must be writable"};
     }
     sinks[1]->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l: %v");
   }

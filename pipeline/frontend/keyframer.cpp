@@ -41,7 +41,8 @@ std::int32_t Keyframer::insert(Map& map, const FrameBuilder& images, Frame& fram
   most_inliers_ = 0;
   const std::int32_t slot = map.insert_keyframe(frame, frame.T_camera_world.inverse(), covariance, parent_id);
   for (int i = 0; i < frame.size(); ++i) {
-    const std::int32_t seen = frame.landmark[static_cast<std::size_t>(i)];
+    std::int32_t& seen = frame.landmark[static_cast<std::size_t>(i)];
+    if (seen != kNone && !map.landmark(seen).alive) seen = kNone;  // gone with the keyframe that made room
     if (seen == kNone) continue;
     if (map.add_sighting(seen, slot, i)) map.refresh_landmark(seen);
   }

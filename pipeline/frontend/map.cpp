@@ -42,11 +42,13 @@ std::int32_t Map::free_keyframe_slot() {
     keyframes_.emplace_back();
     return static_cast<std::int32_t>(keyframes_.size()) - 1;
   }
-  // Full: the keyframe longest out of use goes (mark is renewed whenever a keyframe is part of the local map).
-  std::int32_t oldest = 0;
-  for (std::int32_t s = 1; s < keyframe_slots(); ++s) {
-    if (keyframe(s).mark < keyframe(oldest).mark) oldest = s;
-  }
+  // Full: the keyframe longest out of use goes (mark is renewed whenever a keyframe is part of the local map), of
+  // several the first made.
+  const auto longest_unused = [](const Keyframe& a, const Keyframe& b) {
+    return a.mark != b.mark ? a.mark < b.mark : a.id < b.id;
+  };
+  const std::int32_t oldest =
+      static_cast<std::int32_t>(std::ranges::min_element(keyframes_, longest_unused) - keyframes_.begin());
   remove_keyframe(oldest);
   free_keyframes_.pop_back();
   return oldest;
@@ -114,24 +116,25 @@ std::optional<Rigid3> Map::keyframe_pose(std::int64_t id) const {
   return std::nullopt;
 }
 
-void Map::leave_ghost(const Keyframe& kf, std::int32_t heir) {
-  if (heir == kNone) return;
+void Map::leave_ghost(const Keyframe& kf, std::int64_t heir_id) {
+  const auto T_world_heir = keyframe_pose(heir_id);
+  if (!T_world_heir) return;
   Ghost& ghost = ghosts_[id_slot(kf.id)];
   ghost.id = kf.id;
-  ghost.parent_id = keyframe(heir).id;
-  ghost.T_parent_camera = keyframe(heir).T_world_camera.inverse() * kf.T_world_camera;
+  ghost.parent_id = heir_id;
+  ghost.T_parent_camera = T_world_heir->inverse() * kf.T_world_camera;
 }
 
 void Map::remove_keyframe(std::int32_t slot, std::int32_t heir) {
   Keyframe& kf = keyframe(slot);
   EXPECTS(kf.alive);
-  if (heir == kNone) heir = kf.num_covisible > 0 ? kf.covisible[0].keyframe : find_keyframe(kf.parent_id);
-  leave_ghost(kf, heir);
+  kf.alive = false;  // so that it does not become its own heir, through an older ghost
+  const std::int64_t next_id = kf.num_covisible > 0 ? keyframe(kf.covisible[0].keyframe).id : kf.parent_id;
+  leave_ghost(kf, heir != kNone ? keyframe(heir).id : next_id);
   for (const std::int32_t seen : kf.landmark) {
     if (seen != kNone) remove_sighting(seen, slot);
   }
   drop_covisibility(slot);
-  kf.alive = false;
   --num_keyframes_;
   free_keyframes_.push_back(slot);
 }

@@ -60,7 +60,7 @@ class Map {
     Rigid3 T_parent_camera;
   };
   std::int32_t free_keyframe_slot();
-  void leave_ghost(const Keyframe& keyframe, std::int32_t heir);
+  void leave_ghost(const Keyframe& keyframe, std::int64_t heir_id);  // the heir may be a ghost itself
   void drop_covisibility(std::int32_t keyframe);
   void link_covisible(std::int32_t keyframe, std::int32_t other, std::int32_t weight);
 

@@ -118,7 +118,10 @@ PoseSolution solve_pose(const PinholeCamera& camera, const Rigid3& T_camera_worl
       }
     }
     problem.classify(solution.T_camera_world, round == 0 ? options.first_gate : 1.0, solution);
-    if (solution.num_inliers < 4) return solution;
+    if (solution.num_inliers < 4) {
+      solution.converged = false;
+      return solution;
+    }
   }
   solution.information = problem.linearise(solution.T_camera_world).H;
   solution.converged = true;

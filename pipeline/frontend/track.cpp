@@ -114,9 +114,14 @@ void Tracker::restart_map() {
 }
 
 bool Tracker::track_frame() {
-  if (result_.state == TrackState::lost) return relocalise();
-  const bool followed = track_from_last() && track_local_map(frame_.T_camera_world, 1.0F);
-  return followed || relocalise();
+  const bool may_follow = result_.state != TrackState::lost;
+  if (may_follow && track_from_last() && track_local_map(frame_.T_camera_world, 1.0F)) return true;
+  if (!relocalise()) return false;
+  // No motion led here from the last pose, and trust begins anew.
+  bad_frames_ = std::max(bad_frames_, 1);
+  good_frames_ = 0;
+  result_.state = TrackState::degraded;
+  return true;
 }
 
 // A start is good when most of what the last frame saw is found again where it says; else others are tried.
@@ -322,7 +327,7 @@ void Tracker::update_state(bool tracked) {
     if (result_.state != TrackState::lost) result_.state = TrackState::degraded;
     return;
   }
-  const bool followed = bad_frames_ == 0;  // else the last pose was only held
+  const bool followed = bad_frames_ == 0;  // else the last pose was only held, or this one was found elsewhere
   bad_frames_ = 0;
   unseen_s_ = 0.0;
   good_frames_ = result_.num_landmarks >= limits.min_inliers_ok ? good_frames_ + 1 : 0;

@@ -190,16 +190,24 @@ void add_file_options(CLI::App& command, EvaluateArguments& arguments) {
   command.add_option("--out", arguments.out, "Write the JSON into this file, too");
 }
 
+// An option that takes one of some words.
+template <class Value>
+void choice(CLI::App& command, const std::string& option, const std::string& help, Value& chosen,
+            const std::map<std::string, Value>& words) {
+  command
+      .add_option_function<std::string>(
+          option, [words, &chosen](const std::string& word) { chosen = words.at(word); }, help)
+      ->check(CLI::IsMember(words));
+}
+
 void add_scoring_options(CLI::App& command, EvaluateArguments& arguments) {
-  const std::map<std::string, Alignment> alignments{
-      {"first", Alignment::first}, {"se3", Alignment::se3}, {"both", Alignment::both}};
-  const std::map<std::string, Arrangement> arrangements{{"before", Arrangement::before}, {"after", Arrangement::after}};
-  command.add_option("--align", arguments.trajectory.alignment, "Errors to print: first pose fixed, SE(3), or both")
-      ->transform(CLI::CheckedTransformer(alignments));
+  choice<Alignment>(command, "--align", "Errors to print: first pose fixed, SE(3), or both",
+                    arguments.trajectory.alignment,
+                    {{"first", Alignment::first}, {"se3", Alignment::se3}, {"both", Alignment::both}});
   command.add_option("--max-gap-s", arguments.trajectory.max_gap_s, "Longest hole of the truth to interpolate [s]")
       ->check(CLI::Range(1e-6, 60.0));
-  command.add_option("--arrangement", arguments.scene.arrangement, "True objects: before or after the change")
-      ->transform(CLI::CheckedTransformer(arrangements));
+  choice<Arrangement>(command, "--arrangement", "True objects: before or after the change", arguments.scene.arrangement,
+                      {{"before", Arrangement::before}, {"after", Arrangement::after}});
   command.add_option("--voxel-size-m", arguments.scene.voxel_size_m, "Voxels' edge [m]")->check(CLI::Range(0.02, 5.0));
   command.add_option("--floor-z-m", arguments.scene.floor_z_m, "Height of the floor in the truth's world [m]")
       ->check(CLI::Range(-1000.0, 1000.0));

@@ -157,8 +157,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_flag("--force", given->simulate.force, "Replace an earlier simulated sequence in --out");
   key("seed", "Another world of the same kind (1)");
   key("laps", "Laps to drive (2)");
-  for (const char* name : {"width", "height", "fx", "fy", "cx", "cy"})
-    key(name, "Camera, pixels (640x480, fx = fy = 525)");
+  key("width", "Camera's image, pixels (640)");
+  key("height", "Camera's image, pixels (480)");
+  for (const char* name : {"fx", "fy"}) key(name, "Focal length, pixels (525 for a width of 640)");
+  for (const char* name : {"cx", "cy"}) key(name, "Principal point, pixels (the image's middle)");
   key("fps", "Camera frames a second (15)");
   key("speed_mps", "Speed of the robot, m/s (0.6)");
   key("noise", "Factor on all sensor noise, 0: perfect images (1)");
@@ -166,10 +168,13 @@ void add_simulate(CLI::App& app, int& exit_code) {
   key("movers", "People walking about (0)");
   key("start_time_s", "Stamp of the first frame (0)");
   key("frames", "Stop after so many frames (0: all laps)");
-  for (const char* name : {"blur", "labels", "lidar"}) {
-    command->add_flag_function(std::string("--") + name + "{true}",
-                               [given, name](std::int64_t count) { given->keys[name] = count > 0 ? "true" : "false"; });
-  }
+  const auto flag = [&](const std::string& name, const std::string& help) {
+    command->add_flag_function(
+        "--" + name, [given, name](std::int64_t) { given->keys[name] = "true"; }, help);
+  };
+  flag("blur", "Blur images as the camera moves while it exposes");
+  flag("labels", "Write class labels and instances of each pixel, too");
+  flag("lidar", "Write scans of a spinning LiDAR, too");
   command->callback([given, &exit_code] {
     given->keys.try_emplace("fps", std::to_string(kSimulateFps));
     const Result<synthetic::SyntheticOptions> world = synthetic::parse_options(given->keys);
