@@ -129,7 +129,7 @@ void SmoothExchange::move_keyframes(Map& map, const SmoothProblem& problem) {
   }
 }
 
-// A sighting that does not fit is forgotten, unless the landmark would vanish with it.
+// A sighting that does not fit is forgotten; a landmark without any left goes with it.
 void SmoothExchange::drop_outliers(Map& map, const SmoothProblem& problem) {
   for (const SmoothProblem::Observation& o : problem.observations) {
     if (!o.outlier) continue;
