@@ -29,6 +29,7 @@ struct Arguments {
   std::vector<int> features{1000, 4000};
   int frames = 450;
   int seed = 1;
+  OrbOptions orb;  // its thresholds
 };
 
 struct Recording {
@@ -70,8 +71,9 @@ void print_row(const std::string& name, const std::vector<float>& ms) {
 // One pipeline with the thread that solves its problems, handed over through rings as in the daemon.
 class Tracked {
  public:
-  Tracked(const SensorCalibration& calibration, int num_features)
+  Tracked(const SensorCalibration& calibration, const OrbOptions& orb, int num_features)
       : num_features_(num_features), calibration_(calibration), started_(monotonic_now()) {
+    options_.frontend.orb = orb;
     options_.frontend.orb.num_features = num_features;
     pipeline_ = std::make_unique<Pipeline>(options_, calibration_, Rigid3{});
     backend_ = std::jthread([this] { solve(); });
@@ -140,7 +142,8 @@ class Tracked {
 
 class OpencvOrb {
  public:
-  explicit OpencvOrb(int num_features) : orb_(cv::ORB::create(num_features, 1.2F, 8)) {}
+  OpencvOrb(int num_features, int fast_threshold)
+      : orb_(cv::ORB::create(num_features, 1.2F, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31, fast_threshold)) {}
   void extract(const cv::Mat& grey) {
     const TimeNs begun = thread_cpu_now();
     orb_->detectAndCompute(grey, cv::noArray(), points_, descriptors_);
@@ -193,13 +196,13 @@ Result<Recording> record(const Arguments& arguments) {
   return recording;
 }
 
-void measure(const Recording& recording, const std::vector<int>& features) {
+void measure(const Recording& recording, const OrbOptions& orb, const std::vector<int>& features) {
   const double before_mb = resident_mb();
   std::vector<std::unique_ptr<Tracked>> tracked;
   std::vector<OpencvOrb> yardsticks;
-  for (const int number : features) yardsticks.emplace_back(number);
+  for (const int number : features) yardsticks.emplace_back(number, orb.fast_threshold);
   for (const int number : features) {
-    tracked.push_back(std::make_unique<Tracked>(recording.calibration, number));
+    tracked.push_back(std::make_unique<Tracked>(recording.calibration, orb, number));
     tracked.back()->track(recording.frames[0]);
   }
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
@@ -237,6 +240,13 @@ int main(int argc, char** argv) {
   cli.add_option("--features", arguments.features, "Features wanted of an image; each runs in turn")
       ->capture_default_str()
       ->check(CLI::Range(50, 20'000));
+  cli.add_option("--fast-threshold", arguments.orb.fast_threshold,
+                 "orb.fast_threshold, cv::ORB's too: lower where images are too poor for the features wanted")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 254));
+  cli.add_option("--min-fast-threshold", arguments.orb.min_fast_threshold, "orb.min_fast_threshold")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 254));
   CLI11_PARSE(cli, argc, argv);
   cv::setNumThreads(1);
   const auto recording = povslam::record(arguments);
@@ -244,5 +254,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "tracking_bench: %s\n", recording.error().message.c_str());
     return 1;
   }
-  povslam::measure(*recording, arguments.features);
+  povslam::measure(*recording, arguments.orb, arguments.features);
 }
