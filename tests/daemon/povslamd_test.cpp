@@ -9,6 +9,7 @@
 #include <csignal>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "pipeline/base/time.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -113,6 +114,20 @@ TEST_F(Povslamd, EndsByItselfWithARecording) {
   Process daemon(arguments);
   EXPECT_EQ(daemon.exit_code(), 0) << daemon.output();
   EXPECT_THAT(daemon.output(), HasSubstr("the stream is over"));
+}
+
+TEST_F(Povslamd, StaysAfterARecordingWhenTold) {
+  std::vector<std::string> arguments = simulated("");
+  for (const char* more : {"--set", "sensor.front.frames=10", "--set", "sensor.front.realtime=false", "--set",
+                           "daemon.exit_at_end=false", "--set", "daemon.health_period_s=0.05"}) {
+    arguments.emplace_back(more);
+  }
+  Process daemon(arguments);
+  ASSERT_TRUE(daemon.wait_for("the stream is over")) << daemon.output();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.exit_code(), 0) << daemon.output();
+  EXPECT_THAT(daemon.output(), HasSubstr("stopping"));
 }
 
 TEST_F(Povslamd, ExitsWithTwoAndThePlaceOnABadConfiguration) {
