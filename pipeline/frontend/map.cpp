@@ -47,7 +47,7 @@ std::int32_t Map::free_keyframe_slot() {
   const auto longest_unused = [](const Keyframe& a, const Keyframe& b) {
     return a.mark != b.mark ? a.mark < b.mark : a.id < b.id;
   };
-  const std::int32_t oldest =
+  const auto oldest =
       static_cast<std::int32_t>(std::ranges::min_element(keyframes_, longest_unused) - keyframes_.begin());
   remove_keyframe(oldest);
   free_keyframes_.pop_back();

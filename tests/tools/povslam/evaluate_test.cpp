@@ -8,6 +8,8 @@
 
 #include "tools/povslam/subcommands.hpp"
 
+#include "tests/support/temp_folder.hpp"
+
 namespace povslam {
 namespace {
 
@@ -18,7 +20,7 @@ class Evaluate : public ::testing::Test {
   static constexpr int kWidth = 64, kHeight = 48, kFrames = 30;
 
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
+    folder_ = temp_folder() /
               (std::string("povslam_evaluate_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::remove_all(folder_);
     for (const char* name : {"rgb", "depth", "instance"}) std::filesystem::create_directories(folder_ / name);

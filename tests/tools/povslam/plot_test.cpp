@@ -11,6 +11,8 @@
 
 #include "tools/povslam/plot_axes.hpp"
 
+#include "tests/support/temp_folder.hpp"
+
 namespace povslam {
 namespace {
 
@@ -30,7 +32,7 @@ TrajectoryPlot circle() {
 }
 
 std::string temporary(const std::string& name) {
-  return (std::filesystem::temp_directory_path() / name).string();
+  return (temp_folder() / name).string();
 }
 
 std::string content(const std::string& file) {

@@ -11,6 +11,8 @@
 
 #include "drivers/synthetic/world.hpp"
 
+#include "tests/support/temp_folder.hpp"
+
 namespace povslam {
 
 namespace fs = std::filesystem;
@@ -20,8 +22,7 @@ namespace {
 class Simulate : public testing::Test {
  protected:
   void SetUp() override {
-    root_ = fs::path(testing::TempDir()) /
-            (std::string("simulate_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    root_ = temp_folder() / (std::string("simulate_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(root_);
     fs::create_directories(root_);
   }

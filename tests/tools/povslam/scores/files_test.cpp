@@ -8,13 +8,15 @@
 #include "tools/povslam/scores/pool.hpp"
 #include "tools/povslam/scores/scene_files.hpp"
 
+#include "tests/support/temp_folder.hpp"
+
 namespace povslam::scores {
 namespace {
 
 class ScoreFiles : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
+    folder_ = temp_folder() /
               (std::string("povslam_scores_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
