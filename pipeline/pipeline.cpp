@@ -18,7 +18,7 @@ struct Pipeline::Impl {
 };
 
 Pipeline::Pipeline(const PipelineOptions& options, const SensorCalibration& calibration,
-                   const Rigid3& T_world_body_start)
+                   const Rigid3& T_world_body_start, const MapContent* /*map*/)
     : impl_(std::make_unique<Impl>(options, calibration, T_world_body_start)) {}
 Pipeline::~Pipeline() = default;
 
@@ -64,6 +64,19 @@ SmoothProblem* Pipeline::take_problem() {
 void Pipeline::give_back(SmoothProblem* problem) {
   impl_->tracker.give_back(problem);
 }
+
+LoopProblem* Pipeline::take_loop() {
+  return nullptr;
+}
+void Pipeline::give_back(LoopProblem* /*loop*/) {}
+
+MapChange* Pipeline::take_change() {
+  return nullptr;
+}
+MapChange* Pipeline::collect_change() {
+  return nullptr;
+}
+void Pipeline::give_back(MapChange* /*change*/) {}
 
 std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {
   return impl_->tracker.map().keyframe_pose(keyframe);

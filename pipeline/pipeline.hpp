@@ -12,6 +12,8 @@
 
 #include "pipeline/frames/calibration.hpp"
 #include "pipeline/frames/rgbd_frame.hpp"
+#include "pipeline/frontend/loop_problem.hpp"
+#include "pipeline/frontend/map_rows.hpp"
 #include "pipeline/frontend/smooth_problem.hpp"
 #include "pipeline/options.hpp"
 #include "pipeline/output.hpp"
@@ -21,7 +23,9 @@ namespace povslam {
 class Pipeline {
  public:
   // T_world_body_start: where the body is at the first frame (world is level there; a dock pose or the origin).
-  Pipeline(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start);
+  // map: what an earlier session learned; null: nothing yet.
+  Pipeline(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start,
+           const MapContent* map = nullptr);
   ~Pipeline();
 
   // Tracks one frame. After warm-up neither allocates nor locks. The result is valid until the next call.
@@ -31,6 +35,17 @@ class Pipeline {
   // caller may hand it to another thread and must give it back, solved or not, between two calls of localise().
   SmoothProblem* take_problem();
   void give_back(SmoothProblem* problem);
+
+  // The same for a loop to be closed beside tracking, with close_loop().
+  LoopProblem* take_loop();
+  void give_back(LoopProblem* loop);
+
+  // After localise(): what became of the map since the last change taken, or null when nothing did, or too little time
+  // has passed (map.change_period_s of frame stamps). One is out at a time; give it back between two calls once it is
+  // stored. collect_change(): whatever is left, for the end of a session; null: nothing.
+  MapChange* take_change();
+  MapChange* collect_change();
+  void give_back(MapChange* change);
 
   // Present pose of a keyframe named by a PoseEstimate (also of one merged away since), T_world_camera.
   std::optional<Rigid3> keyframe_pose(std::int64_t keyframe) const;
