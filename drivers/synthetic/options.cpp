@@ -53,7 +53,7 @@ void scale_intrinsics(const DriverOptions& given, PinholeCamera& camera) {
 }  // namespace
 
 std::vector<std::string> scene_names() {
-  return {"boxsim", "static", "aisle", "majority", "adversarial"};
+  return {"boxsim", "static", "aisle", "majority", "adversarial", "twins", "rooms", "hall"};
 }
 
 Status validate(const SyntheticOptions& options) {
@@ -108,6 +108,7 @@ Result<SyntheticOptions> parse_options(const DriverOptions& given) {
       {"fps", number(options.fps)},
       {"speed_mps", number(options.speed_mps)},
       {"noise", number(options.noise)},
+      {"changes", flag(options.changes)},
       {"blur", flag(options.blur)},
       {"max_depth_m", number(options.max_depth_m)},
       {"labels", flag(options.labels)},

@@ -37,7 +37,8 @@ std::string truth_json(const World& world) {
   nlohmann::json objects = nlohmann::json::array();
   for (const synthetic::Object& object : world.scene().objects) {
     const auto& row = synthetic::class_table()[static_cast<std::size_t>(object.class_id)];
-    if (std::string(row.kind) != "semi_static") continue;
+    const bool never_there = !object.before.present && !object.after.present;
+    if (std::string(row.kind) != "semi_static" || never_there) continue;
     objects.push_back({{"id", object.id},
                        {"class", row.name},
                        {"size", vector_json(object.size_m)},
@@ -152,7 +153,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
     command->add_option_function<std::string>(
         "--" + name, [given, name](const std::string& text) { given->keys[name] = text; }, help);
   };
-  command->add_option("scene", given->keys["scene"], "boxsim, static, aisle, majority or adversarial")->required();
+  command->add_option("scene", given->keys["scene"], "boxsim, static, aisle, majority, adversarial, twins, rooms or hall")->required();
   command->add_option("--out", given->simulate.out, "Folder to write")->required();
   command->add_flag("--force", given->simulate.force, "Replace an earlier simulated sequence in --out");
   key("seed", "Another world of the same kind (1)");
@@ -172,6 +173,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
     command->add_flag_function(
         "--" + name, [given, name](std::int64_t) { given->keys[name] = "true"; }, help);
   };
+  command->add_flag_function(
+      "--no-change", [given](std::int64_t) { given->keys["changes"] = "false"; }, "Everything stays where it is");
   flag("blur", "Blur images as the camera moves while it exposes");
   flag("labels", "Write class labels and instances of each pixel, too");
   flag("lidar", "Write scans of a spinning LiDAR, too");
