@@ -89,6 +89,11 @@ std::vector<Key<AppConfig>> frontend_table() {
       key("map.smooth_max_points", AT(pipeline.frontend.map.smooth_max_points), 10, 1000000, "Landmarks in it"),
       key("map.smooth_max_observations", AT(pipeline.frontend.map.smooth_max_observations), 100, 10000000,
           "Observations in it"),
+      key("map.change_period_s", AT(pipeline.frontend.map.change_period_s), 0.1, 60.0,
+          "So often what changed in the map is stored"),
+      text("map.mode", AT(pipeline.frontend.map.mode), "localise: the map stays as it is", {"map", "localise"}),
+      text("map.start", AT(pipeline.frontend.map.start),
+           "On an existing map: search the whole map, or try the start pose first (a dock)", {"search", "known"}),
   };
 }
 
@@ -135,7 +140,7 @@ std::vector<Key<SensorConfig>> sensor_table() {
 
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
-              sizeof(MapOptions) == 32 && sizeof(SmoothOptions) == 40 && sizeof(PipelineOptions) == 184);
+              sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(PipelineOptions) == 256);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

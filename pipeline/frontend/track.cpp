@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/frontend/map_loader.hpp"
 #include "pipeline/frontend/pose_covariance.hpp"
 
 namespace povslam {
@@ -17,10 +18,13 @@ constexpr int kSearchedPerFrame = 3;     // keyframes tried each frame while los
 constexpr float kWide = 4.0F;            // widening of the local search around a found place
 constexpr double kUnseenSpeedMps = 1.0;  // how fast the pose may leave us while nothing is seen
 constexpr double kUnseenTurnRadps = 1.0;
+constexpr double kAnywhereM = 100.0, kAnyTurnRad = 3.0;  // doubt of a pose nobody knows
+constexpr int kStartTries = 30;                          // frames
+constexpr double kJumpM = 0.02, kJumpRad = 0.01;         // a correction of the map that is said to be one
 }  // namespace
 
 Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& options,
-                 const Rigid3& T_world_camera_start)
+                 const Rigid3& T_world_camera_start, const MapContent* content)
     : camera_(calibration.camera),
       rolling_shutter_s_(calibration.rolling_shutter_s),
       options_(options),
@@ -36,12 +40,26 @@ Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& op
       keyframer_(camera_, options),
       relocaliser_(camera_, options),
       smooth_exchange_(camera_, options),
+      journal_(camera_, options.map),
       frame_(camera_, options),
       last_(camera_, options) {
   observations_.reserve(static_cast<std::size_t>(options.orb.num_features));
   observed_feature_.reserve(static_cast<std::size_t>(options.orb.num_features));
   smooth_exchange_.reserve(problem_);
   result_.T_world_camera = T_world_camera_start;
+  if (content != nullptr && !content->keyframes.empty()) adopt(*content);
+}
+
+// Where on the earlier session's map we are is to be found out.
+void Tracker::adopt(const MapContent& content) {
+  MapLoader::load(content, camera_, map_);
+  journal_.assume_written(map_);
+  result_.map_version = content.meta.map_version;
+  result_.state = TrackState::lost;
+  result_.covariance.topLeftCorner<3, 3>().diagonal().setConstant(kAnywhereM * kAnywhereM);
+  result_.covariance.bottomRightCorner<3, 3>().diagonal().setConstant(kAnyTurnRad * kAnyTurnRad);
+  bad_frames_ = options_.track.frames_to_lost;
+  start_tries_ = options_.map.start == "known" ? kStartTries : 0;
 }
 
 const TrackResult& Tracker::track(const RgbdFrame& input) {
@@ -60,8 +78,8 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     if (start_map()) name_reference();
   } else {
     const bool tracked = track_frame();
-    if (tracked && rolling_shutter_s_ != 0.0 && frame_.index == map_.keyframe(newest_keyframe_).frame_index + 1 &&
-        map_.next_keyframe_id() == 1) {
+    if (tracked && rolling_shutter_s_ != 0.0 && map_.next_keyframe_id() == 1 &&
+        frame_.index == map_.keyframe(newest_keyframe_).frame_index + 1) {
       restart_map();
     }
     posed = thread_cpu_now();
@@ -118,6 +136,7 @@ bool Tracker::track_frame() {
   if (may_follow && track_from_last() && track_local_map(frame_.T_camera_world, 1.0F)) return true;
   if (!relocalise()) return false;
   // No motion led here from the last pose, and trust begins anew.
+  if (result_.state == TrackState::lost) ++result_.map_version;
   bad_frames_ = std::max(bad_frames_, 1);
   good_frames_ = 0;
   result_.state = TrackState::degraded;
@@ -282,6 +301,7 @@ void Tracker::accept(const PoseSolution& solution) {
 // The newest place first, then the whole map in turn, a few keyframes a frame.
 bool Tracker::relocalise() {
   const TrackResult held = result_;
+  if (start_tries_ > 0 && found_at_start()) return true;
   if (newest_keyframe_ != kNone && map_.keyframe(newest_keyframe_).alive && found_at(newest_keyframe_)) return true;
   int tried = 0;
   for (std::int32_t step = 0; step < map_.keyframe_slots() && tried < kSearchedPerFrame; ++step) {
@@ -298,8 +318,19 @@ bool Tracker::found_at(std::int32_t keyframe) {
   motion_.forget();
   const auto found = relocaliser_.against(map_, keyframe, frame_);
   if (!found) return false;
+  return confirm(found->T_camera_world);
+}
+
+bool Tracker::found_at_start() {
+  --start_tries_;
+  motion_.forget();
+  return confirm(T_world_camera_start_.inverse());
+}
+
+// Whether the map around a supposed pose shows itself in the frame.
+bool Tracker::confirm(const Rigid3& T_camera_world) {
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
-  return track_local_map(found->T_camera_world, kWide) && track_local_map(frame_.T_camera_world, 1.0F) &&
+  return track_local_map(T_camera_world, kWide) && track_local_map(frame_.T_camera_world, 1.0F) &&
          result_.num_landmarks >= kMinToRelocalise;
 }
 
@@ -341,7 +372,8 @@ void Tracker::update_state(bool tracked) {
 
 // Keeps the frame if the map lacks it, and asks for smoothing around it.
 void Tracker::upkeep() {
-  if (!map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
+  if (options_.map.mode == "localise") return name_reference();
+  if (newest_keyframe_ == kNone || !map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
   const bool weak = result_.num_landmarks < 2 * options_.track.min_inliers_ok;
   if (keyframer_.wanted(frame_, map_, newest_keyframe_, result_.num_landmarks, weak)) {
     newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, reference_id_);
@@ -377,13 +409,36 @@ void Tracker::give_back(SmoothProblem* problem) {
 void Tracker::apply_answer() {
   if (problem_state_ != ProblemState::answered) return;
   problem_state_ = ProblemState::idle;
-  const Rigid3 T_new_old = smooth_exchange_.apply(map_, problem_, reference_id_);
-  result_.T_world_camera = T_new_old * result_.T_world_camera;
+  move_with_map(smooth_exchange_.apply(map_, problem_, reference_id_));
+}
+
+void Tracker::move_with_map(const Rigid3& T_new_old) {
+  const Rigid3 before = result_.T_world_camera;
+  result_.T_world_camera = T_new_old * before;
+  const bool jumped = (result_.T_world_camera.translation - before.translation).norm() > kJumpM ||
+                      rotation_angle_rad(T_new_old) > kJumpRad;
+  if (jumped) ++result_.map_version;
   frame_.T_camera_world = frame_.T_camera_world * T_new_old.inverse();
   for (int i = 0; i < frame_.size(); ++i) {
     std::int32_t& seen = frame_.landmark[static_cast<std::size_t>(i)];
     if (seen != kNone && !map_.landmark(seen).alive) seen = kNone;
   }
+}
+
+MapMeta Tracker::meta() const {
+  MapMeta meta;
+  meta.map_version = result_.map_version;
+  return meta;
+}
+
+MapChange* Tracker::take_change() {
+  if (options_.map.mode == "localise") return nullptr;
+  return journal_.advance(map_, meta(), frame_.stamp);
+}
+
+MapChange* Tracker::collect_change() {
+  if (options_.map.mode == "localise") return nullptr;
+  return journal_.collect(map_, meta());
 }
 
 }  // namespace povslam
