@@ -150,13 +150,14 @@ TEST(MapLoader, BringsBackWhatFitsIntoASmallerMap) {
 
 TEST(MapLoader, CarriesFeaturesOverToACameraOfOtherIntrinsics) {
   const MapContent content = mapped_place();
-  PinholeCamera other = Session().camera();
+  const PinholeCamera camera = Session().camera();
+  PinholeCamera other = camera;
   other.fx *= 2.0, other.cx += 7.0;
   const Map map = loaded(content, other);
-  const Map same = loaded(content, Session().camera());
+  const Map same = loaded(content, camera);
   const Keyframe &a = same.keyframe(1), &b = map.keyframe(1);
   for (std::size_t f = 0; f < a.x.size(); ++f) {
-    EXPECT_NEAR((a.x[f] - Session().camera().cx) / Session().camera().fx, (b.x[f] - other.cx) / other.fx, 1e-5);
+    EXPECT_NEAR((a.x[f] - camera.cx) / camera.fx, (b.x[f] - other.cx) / other.fx, 1e-5);
     EXPECT_FLOAT_EQ(a.y[f], b.y[f]);
   }
 }
