@@ -110,6 +110,18 @@ std::vector<Key<AppConfig>> backend_table() {
       key("smooth.outlier_chi2_no_depth", AT(pipeline.backend.smooth.outlier_chi2_no_depth), 0.1, 1000.0,
           "The same for an observation without depth"),
       key("smooth.num_threads", AT(pipeline.backend.smooth.num_threads), 1, 64, "Threads of the solver"),
+      key("loop.max_iterations", AT(pipeline.backend.close_loop.max_iterations), 1, 1000,
+          "Of each round of closing a loop"),
+      key("loop.max_solve_s", AT(pipeline.backend.close_loop.max_solve_s), 0.0, 600.0,
+          "A loop not closed by then is dropped; 0: no limit, and replay gives the same bytes each time"),
+      key("loop.loop_scale", AT(pipeline.backend.close_loop.loop_scale), 0.1, 100.0,
+          "Whitened residual norm beyond which a recognised place is believed less and less"),
+      key("loop.max_loop_error_m", AT(pipeline.backend.close_loop.max_loop_error_m), 0.001, 10.0,
+          "A loop whose ends are still farther apart afterwards is refused"),
+      key("loop.max_loop_error_rad", AT(pipeline.backend.close_loop.max_loop_error_rad), 0.001, 3.2,
+          "The same of their orientation"),
+      key("loop.max_strain", AT(pipeline.backend.close_loop.max_strain), 0.1, 1000.0,
+          "It is also refused when neighbours would be bent by more than this whitened norm"),
   };
 }
 
@@ -140,7 +152,8 @@ std::vector<Key<SensorConfig>> sensor_table() {
 
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
-              sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(PipelineOptions) == 256);
+              sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(CloseLoopOptions) == 48 &&
+              sizeof(PipelineOptions) == 304);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

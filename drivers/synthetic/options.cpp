@@ -112,6 +112,7 @@ Result<SyntheticOptions> parse_options(const DriverOptions& given) {
       {"max_depth_m", number(options.max_depth_m)},
       {"labels", flag(options.labels)},
       {"lidar", flag(options.lidar)},
+      {"changes", flag(options.changes)},
       {"movers", number(options.movers)},
       {"realtime", flag(options.realtime)},
       {"start_time_s", number(options.start_time_s)},

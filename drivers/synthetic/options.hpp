@@ -22,6 +22,7 @@ struct SyntheticOptions {
   double max_depth_m = 8.0;   // depth beyond it reads 0
   bool labels = false;        // deliver class labels and instances too
   bool lidar = false;         // deliver LiDAR scans too
+  bool changes = true;        // false: nothing moves, goes or comes after the first lap
   int movers = 0;             // people walking up and down
   bool realtime = true;       // driver: pace by the monotonic clock
   double start_time_s = 0.0;  // stamp of the first frame

@@ -87,6 +87,10 @@ Result<Scene> build_scene(const SyntheticOptions& options, const RobotMotion& mo
         "synthetic: no layout of scene '" + options.scene +
         "' lets its objects change unseen by this camera; narrow its view (larger fx, fy) or take another seed"};
   }
+  if (!options.changes) {
+    for (Object& object : scene.objects) object.after = object.before;
+    std::erase_if(scene.objects, [](const Object& object) { return !object.before.present; });
+  }
   add_movers(scene.objects, options, motion.path(), aisle ? 8.3 : 6.0, aisle ? 5.3 : 6.0);
   return scene;
 }

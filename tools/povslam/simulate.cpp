@@ -165,6 +165,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   key("speed_mps", "Speed of the robot, m/s (0.6)");
   key("noise", "Factor on all sensor noise, 0: perfect images (1)");
   key("max_depth_m", "Depth beyond it reads 0 (8)");
+  key("changes", "false: nothing moves, goes or comes after the first lap (true)");
   key("movers", "People walking about (0)");
   key("start_time_s", "Stamp of the first frame (0)");
   key("frames", "Stop after so many frames (0: all laps)");
