@@ -28,6 +28,7 @@ class PlaceIndex {
   void remove(std::int32_t slot);                                     // nothing there: no effect
   bool contains(std::int32_t slot) const { return !entry(slot).empty; }
   int size() const { return size_; }
+  const Vocabulary& vocabulary() const { return vocabulary_; }
 
   struct Candidate {
     std::int32_t keyframe = -1;  // slot
