@@ -7,8 +7,8 @@
 namespace povslam {
 namespace {
 
-constexpr std::size_t kPoseRing = 256;   // 8 s at 30 Hz: what a stalled publisher may hold back
-constexpr std::size_t kProblemRing = 8;  // the pipeline asks for one at a time
+constexpr std::size_t kPoseRing = 256;  // 8 s at 30 Hz: what a stalled publisher may hold back
+constexpr std::size_t kJobRing = 8;     // the pipeline asks for one of a kind at a time
 
 Rigid3 start_of(const AppConfig& config, const AppOptions& options, const Rigid3& T_body_camera) {
   if (options.T_world_camera_start) return *options.T_world_camera_start * T_body_camera.inverse();
@@ -44,13 +44,13 @@ App::App(const AppConfig& config, AppOptions options, DriverSetup setup)
     : setup_(std::move(setup)),
       frames_(config.daemon.frame_slots),
       poses_(kPoseRing),
-      asked_(kProblemRing),
-      solved_(kProblemRing),
+      asked_(kJobRing),
+      solved_(kJobRing),
       pipeline_(
           std::make_unique<Pipeline>(config.pipeline, setup_.sensors[0], start_of(config, options, T_body_camera()))) {
   reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s)}, options.sinks,
                     poses_, counters_);
-  backend_.emplace(asked_, solved_, config.pipeline.backend.smooth, counters_);
+  backend_.emplace(asked_, solved_, config.pipeline.backend, counters_);
   tracking_.emplace(*pipeline_, frames_, poses_, asked_, solved_, counters_, options.probe);
   reporter_->watch(&*tracking_);
   options.sensor.name = config.sensors[0].name;

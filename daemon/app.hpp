@@ -48,7 +48,7 @@ class App {
   Counters counters_;
   FrameExchange frames_;
   PoseRing poses_;
-  ProblemRing asked_, solved_;
+  JobRing asked_, solved_;
   std::unique_ptr<Pipeline> pipeline_;
   std::optional<Reporter> reporter_;
   std::optional<BackendThread> backend_;

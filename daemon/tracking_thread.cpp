@@ -4,8 +4,8 @@
 
 namespace povslam {
 
-TrackingThread::TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, ProblemRing& asked,
-                               ProblemRing& solved, Counters& counters, TrackingProbe probe)
+TrackingThread::TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked,
+                               JobRing& solved, Counters& counters, TrackingProbe probe)
     : pipeline_(pipeline),
       frames_(frames),
       poses_(poses),
@@ -35,7 +35,7 @@ void TrackingThread::run() {
 }
 
 void TrackingThread::localise(const SensorFrame& frame) {
-  while (const auto problem = solved_.try_pop()) pipeline_.give_back(*problem);
+  while (const auto job = solved_.try_pop()) pipeline_.give_back(*job);
   out_.pose = pipeline_.localise(frame.rgbd);
   out_.map = pipeline_.map_size();
   out_.received = frame.received;
@@ -46,8 +46,9 @@ void TrackingThread::localise(const SensorFrame& frame) {
 }
 
 void TrackingThread::ask_backend() {
-  SmoothProblem* problem = pipeline_.take_problem();
-  if (problem != nullptr && !asked_.try_push(std::move(problem))) pipeline_.give_back(problem);
+  while (const auto job = pipeline_.take_job()) {
+    if (!asked_.try_push(BackendJob(*job))) pipeline_.give_back(*job);
+  }
 }
 
 bool TrackingThread::alive(TimeNs limit) const {

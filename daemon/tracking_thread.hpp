@@ -19,12 +19,12 @@ struct TrackingProbe {
 };
 
 using PoseRing = SpscRing<TrackedFrame>;
-using ProblemRing = SpscRing<SmoothProblem*>;
+using JobRing = SpscRing<BackendJob>;
 
 class TrackingThread {
  public:
-  // asked: problems to solve, solved: the answers. The pipeline is this thread's alone until it is destroyed.
-  TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, ProblemRing& asked, ProblemRing& solved,
+  // asked: jobs to solve, solved: the answers. The pipeline is this thread's alone until it is destroyed.
+  TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked, JobRing& solved,
                  Counters& counters, TrackingProbe probe);
   ~TrackingThread();  // closes the exchange, tracks what is inside, joins
 
@@ -43,8 +43,8 @@ class TrackingThread {
   Pipeline& pipeline_;
   FrameExchange& frames_;
   PoseRing& poses_;
-  ProblemRing& asked_;
-  ProblemRing& solved_;
+  JobRing& asked_;
+  JobRing& solved_;
   Counters& counters_;
   TrackingProbe probe_;
   TrackedFrame out_;

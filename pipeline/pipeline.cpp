@@ -60,17 +60,14 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   return out;
 }
 
-SmoothProblem* Pipeline::take_problem() {
-  return impl_->tracker.take_problem();
+std::optional<BackendJob> Pipeline::take_job() {
+  if (LoopProblem* loop = impl_->tracker.take_loop()) return loop;
+  if (SmoothProblem* window = impl_->tracker.take_problem()) return window;
+  return std::nullopt;
 }
-void Pipeline::give_back(SmoothProblem* problem) {
-  impl_->tracker.give_back(problem);
+void Pipeline::give_back(const BackendJob& job) {
+  std::visit([this](auto* problem) { impl_->tracker.give_back(problem); }, job);
 }
-
-LoopProblem* Pipeline::take_loop() {
-  return nullptr;
-}
-void Pipeline::give_back(LoopProblem* /*loop*/) {}
 
 MapChange* Pipeline::take_change() {
   return impl_->tracker.take_change();
@@ -87,6 +84,10 @@ std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {
 }
 MapSize Pipeline::map_size() const {
   return {impl_->tracker.map().num_keyframes(), impl_->tracker.map().num_landmarks()};
+}
+
+LoopCounts Pipeline::loops() const {
+  return impl_->tracker.loops();
 }
 
 }  // namespace povslam

@@ -7,8 +7,10 @@
 #include "pipeline/frontend/keyframer.hpp"
 #include "pipeline/frontend/landmark_search.hpp"
 #include "pipeline/frontend/local_map.hpp"
+#include "pipeline/frontend/loop.hpp"
 #include "pipeline/frontend/map.hpp"
 #include "pipeline/frontend/map_journal.hpp"
+#include "pipeline/frontend/map_places.hpp"
 #include "pipeline/frontend/match.hpp"
 #include "pipeline/frontend/motion_model.hpp"
 #include "pipeline/frontend/patch_refiner.hpp"
@@ -44,6 +46,9 @@ class Tracker {
 
   SmoothProblem* take_problem();
   void give_back(SmoothProblem* problem);
+  LoopProblem* take_loop() { return loops_.take(); }
+  void give_back(LoopProblem* problem) { loops_.give_back(problem); }
+  const LoopCounts& loops() const { return loops_.counts(); }
 
   // See Pipeline.
   MapChange* take_change();
@@ -67,15 +72,18 @@ class Tracker {
   void compensate_shutter();
   void accept(const PoseSolution& solution);
   bool relocalise();
-  bool found_at(std::int32_t keyframe);
+  bool found_near();
   bool found_at_start();
+  bool found_anywhere();
   bool confirm(const Rigid3& T_camera_world);
   void hold_pose();
   void update_state(bool tracked);
   void upkeep();
   void name_reference();
-  void apply_answer();
+  void apply_answers();
+  void ask_for_smoothing();
   void move_with_map(const Rigid3& T_new_old);
+  void forget_dead_landmarks();
   MapMeta meta() const;
 
   PinholeCamera camera_;
@@ -95,6 +103,9 @@ class Tracker {
   Relocaliser relocaliser_;
   SmoothExchange smooth_exchange_;
   MapJournal journal_;
+  MapPlaces places_;
+  LoopCloser loops_;
+  Agreement agreement_;  // of what frames say while lost
   Frame frame_, last_;
   std::vector<PoseObservation> observations_;
   std::vector<std::int32_t> observed_feature_;  // of each observation
@@ -106,11 +117,11 @@ class Tracker {
   int matches_of_last_ = 0;  // points of the frame before last that the last one showed
   int good_frames_ = 0, bad_frames_ = 0;
   double unseen_s_ = 0.0;  // since the last tracked frame, while none is
-  std::int32_t search_cursor_ = 0;
-  int start_tries_ = 0;  // frames in which the start pose may still be tried on an earlier session's map
+  int start_tries_ = 0;    // frames in which the start pose may still be tried on an earlier session's map
 
   SmoothProblem problem_;
   enum class ProblemState { idle, offered, out, answered } problem_state_ = ProblemState::idle;
+  bool problem_outdated_ = false;  // the map was corrected since it was cut
 };
 
 }  // namespace povslam

@@ -225,7 +225,7 @@ TEST(TrackingThread, LooksDeadOnlyWhenItHangsOnAFrame) {
   Pipeline pipeline(bench.config.pipeline, FakeDriver(bench.script).open()->sensors[0], Rigid3{});
   FrameExchange frames(3);
   PoseRing poses(16);
-  ProblemRing asked(8), solved(8);
+  JobRing asked(8), solved(8);
   Counters counters;
   hold_tracking = true;
   TrackingThread tracking(pipeline, frames, poses, asked, solved, counters,

@@ -5,7 +5,6 @@
 
 #include "daemon/app.hpp"
 #include "daemon/stop_signal.hpp"
-#include "pipeline/backend/smooth.hpp"
 #include "pipeline/base/log.hpp"
 #include "pipeline/pipeline.hpp"
 #include "tools/povslam/delay_line.hpp"
@@ -38,12 +37,15 @@ class Recorder {
     anchors_.push_back({pose.reference_keyframe, pose.T_reference_camera});
   }
 
-  void add_smooth(double ms) {
-    record_.stages_ms[static_cast<std::size_t>(Stage::smooth)].push_back(static_cast<float>(ms));
+  void add_backend(const BackendJob& job, double ms) {
+    const Stage stage = std::holds_alternative<LoopProblem*>(job) ? Stage::close_loop : Stage::smooth;
+    record_.stages_ms[static_cast<std::size_t>(stage)].push_back(static_cast<float>(ms));
   }
 
   // Corrected poses from where the keyframes are now; a frame whose keyframe is unknown keeps its published pose.
   void correct(const Pipeline& pipeline) {
+    record_.loops = pipeline.loops();
+    record_.map = pipeline.map_size();
     record_.smoothed = record_.published;
     for (std::size_t i = 0; i < anchors_.size(); ++i) {
       const std::optional<Rigid3> T_world_keyframe = pipeline.keyframe_pose(anchors_[i].keyframe);
@@ -75,7 +77,7 @@ class RecordingSink : public Sink {
 class SingleThread {
  public:
   SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body)
-      : smooth_options_(settings.config.pipeline.backend.smooth),
+      : backend_options_(settings.config.pipeline.backend),
         pipeline_(settings.config.pipeline, calibration, T_world_body),
         answers_(settings.config.pipeline.backend.delay_frames) {}
 
@@ -83,9 +85,8 @@ class SingleThread {
     const TimeNs begun = thread_cpu_now();
     while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
     recorder.add(pipeline_.localise(frame));
-    SmoothProblem* problem = pipeline_.take_problem();
     tracking_cpu_ += thread_cpu_now() - begun;
-    if (problem != nullptr) solve(problem, recorder);
+    while (const auto job = pipeline_.take_job()) run(*job, recorder);
     ++frame_;
   }
 
@@ -93,16 +94,16 @@ class SingleThread {
   TimeNs tracking_cpu() const { return tracking_cpu_; }
 
  private:
-  void solve(SmoothProblem* problem, Recorder& recorder) {
+  void run(const BackendJob& job, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
-    smooth(*problem, smooth_options_);
-    recorder.add_smooth(to_ms(thread_cpu_now() - begun));
-    answers_.push(frame_, problem);
+    solve(job, backend_options_);
+    recorder.add_backend(job, to_ms(thread_cpu_now() - begun));
+    answers_.push(frame_, job);
   }
 
-  SmoothOptions smooth_options_;
+  BackendOptions backend_options_;
   Pipeline pipeline_;
-  DelayLine<SmoothProblem*> answers_;
+  DelayLine<BackendJob> answers_;
   std::int64_t frame_ = 0;
   TimeNs tracking_cpu_ = 0;
 };
