@@ -5,7 +5,7 @@
 namespace povslam {
 namespace {
 
-constexpr int kBusy_ms = 2000;               // how long another program's lock is waited for
+constexpr int kBusy_ms = 500;                // how long another program's lock is waited for
 constexpr int kMaxRowBytes = 8 << 20;        // longer ones are damage: the most features there can be take 1.2 MB
 constexpr int kWalPages = 1000;              // of the log before they are brought into the file
 constexpr std::int64_t kWalBytes = 8 << 20;  // what the log is cut back to
@@ -62,7 +62,7 @@ const char* remedy(int code) {
     case SQLITE_LOCKED:
       return "another program holds it";
     default:
-      return "the message is SQLite's";
+      return "try again";
   }
 }
 
@@ -106,7 +106,9 @@ Database::~Database() = default;
 
 void Database::fail(int code) const {
   const std::string said = handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code);
-  throw StoreFault{is_damage(code), file_.string() + ": " + said + " (" + std::to_string(code) + "); " + remedy(code)};
+  const std::string what = file_.string() + ": " + said + " (SQLite " + std::to_string(code) + ")";
+  if (is_damage(code)) throw StoreFault{true, what};
+  throw StoreFault{false, what + "; " + remedy(code)};
 }
 
 void Database::fail_damaged(const std::string& what) const {

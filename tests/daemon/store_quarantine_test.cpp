@@ -1,12 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include <fstream>
 #include <sstream>
 
 #include "daemon/store.hpp"
+#include "tests/support/log_text.hpp"
 #include "tests/support/made_map.hpp"
 #include "tests/support/same_map.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -16,23 +15,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-// The log's text while it lives.
-class LogText {
- public:
-  LogText() : before_(spdlog::default_logger()) {
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(stream_)));
-  }
-  ~LogText() { spdlog::set_default_logger(before_); }
-  LogText(const LogText&) = delete;
-  LogText& operator=(const LogText&) = delete;
-  std::string text() const { return stream_.str(); }
-
- private:
-  std::ostringstream stream_;
-  std::shared_ptr<spdlog::logger> before_;
-};
 
 std::string content(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
