@@ -77,6 +77,9 @@ std::vector<Key<AppConfig>> frontend_table() {
       key("track.frames_to_lost", AT(pipeline.frontend.track.frames_to_lost), 1, 300,
           "Frames in a row without a pose before LOST"),
 
+      text("map.store", AT(map.store),
+           "File the map is kept in; auto: map.db in the service's state folder (/var/lib/povslam), nowhere when not "
+           "started by systemd; empty: nowhere"),
       key("map.max_keyframes", AT(pipeline.frontend.map.max_keyframes), 10, 100000, "Bounds the memory"),
       key("map.max_landmarks", AT(pipeline.frontend.map.max_landmarks), 1000, 5000000, "Bounds the memory"),
       key("map.keyframe_min_frames", AT(pipeline.frontend.map.keyframe_min_frames), 1, 1000,

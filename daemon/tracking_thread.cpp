@@ -5,12 +5,13 @@
 namespace povslam {
 
 TrackingThread::TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked,
-                               JobRing& solved, Counters& counters, TrackingProbe probe)
+                               JobRing& solved, ChangeOutlet changes, Counters& counters, TrackingProbe probe)
     : pipeline_(pipeline),
       frames_(frames),
       poses_(poses),
       asked_(asked),
       solved_(solved),
+      changes_(changes),
       counters_(counters),
       probe_(probe),
       thread_([this] { run(); }) {}
@@ -29,6 +30,7 @@ void TrackingThread::run() {
     if (probe_.pose_handed_over != nullptr) probe_.pose_handed_over();
     frames_.give_back();
     ask_backend();
+    hand_out_change();
     counters_.tracking_cpu.store(thread_cpu_now(), std::memory_order_relaxed);
     busy_since_.store(0, std::memory_order_relaxed);
   }
@@ -49,6 +51,15 @@ void TrackingThread::ask_backend() {
   while (const auto job = pipeline_.take_job()) {
     if (!asked_.try_push(BackendJob(*job))) pipeline_.give_back(*job);
   }
+}
+
+void TrackingThread::hand_out_change() {
+  if (changes_.taken == nullptr) return;
+  while (const auto stored = changes_.stored->try_pop()) pipeline_.give_back(*stored);
+  MapChange* change = pipeline_.take_change();
+  if (change == nullptr) return;
+  const bool taken = changes_.taken->try_push(std::move(change));
+  EXPECTS(taken);  // given back unstored it would be forgotten; the ring holds as many as can be out at once
 }
 
 bool TrackingThread::alive(TimeNs limit) const {

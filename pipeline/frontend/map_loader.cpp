@@ -22,12 +22,21 @@ std::vector<const Row*> by_id(const std::vector<Row>& rows, Id id) {
 }  // namespace
 
 MapLoader::MapLoader(const MapContent& content, const PinholeCamera& camera, Map& map)
-    : content_(content), camera_(camera), map_(map) {}
+    : content_(content), camera_(camera), map_(map), made_by_(camera) {
+  const MapMeta& meta = content.meta;
+  if (meta.fx > 0.0 && meta.fy > 0.0) {
+    made_by_.fx = meta.fx, made_by_.fy = meta.fy;
+    made_by_.cx = meta.cx, made_by_.cy = meta.cy;
+  }
+  zoom_x_ = camera.fx / made_by_.fx;
+  zoom_y_ = camera.fy / made_by_.fy;
+  if (meta.level_scale > 1.0 && map.num_levels() > 1) {
+    levels_ = std::log(meta.level_scale) / std::log(static_cast<double>(map.level_scale(1)));
+  }
+}
 
 void MapLoader::load(const MapContent& content, const PinholeCamera& camera, Map& map) {
   EXPECTS(map.num_keyframes() == 0 && map.next_keyframe_id() == 0);
-  EXPECTS(content.keyframes.empty() ||
-          (content.meta.fx > 0.0 && content.meta.fy > 0.0 && content.meta.level_scale > 1.0));
   MapLoader loader(content, camera, map);
   map.first_id_ = map.next_id_ = content.meta.next_keyframe;
   map.next_landmark_id_ = content.meta.next_landmark;
@@ -54,15 +63,12 @@ void MapLoader::add_keyframe(const KeyframeRow& row, const KeyframeFeatures& see
   kf.T_world_camera = row.T_world_camera;
   kf.covariance = row.covariance;
   kf.parent_id = row.parent;
-  const MapMeta& meta = content_.meta;
-  const double zoom = camera_.fx / meta.fx;
-  const double levels = map_.num_levels() > 1 ? std::log(meta.level_scale) / std::log(map_.level_scale(1)) : 0.0;
   for (std::size_t f = 0; f < n; ++f) {
-    kf.x[f] = static_cast<float>(camera_.fx * (static_cast<double>(seen.x[f]) - meta.cx) / meta.fx + camera_.cx);
-    kf.y[f] = static_cast<float>(camera_.fy * (static_cast<double>(seen.y[f]) - meta.cy) / meta.fy + camera_.cy);
-    kf.sigma_px[f] = static_cast<float>(static_cast<double>(seen.sigma_px[f]) * zoom);
+    kf.x[f] = static_cast<float>(zoom_x_ * (static_cast<double>(seen.x[f]) - made_by_.cx) + camera_.cx);
+    kf.y[f] = static_cast<float>(zoom_y_ * (static_cast<double>(seen.y[f]) - made_by_.cy) + camera_.cy);
+    kf.sigma_px[f] = static_cast<float>(static_cast<double>(seen.sigma_px[f]) * zoom_x_);
     kf.level[f] = static_cast<std::uint8_t>(
-        std::clamp(static_cast<int>(std::lround(seen.level[f] * levels)), 0, map_.num_levels() - 1));
+        std::clamp(static_cast<int>(std::lround(seen.level[f] * levels_)), 0, map_.num_levels() - 1));
   }
   std::copy_n(seen.inverse_depth.begin(), n, kf.inverse_depth.begin());
   std::copy_n(seen.sigma_inverse_depth.begin(), n, kf.sigma_inverse_depth.begin());

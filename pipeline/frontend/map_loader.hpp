@@ -23,6 +23,9 @@ class MapLoader {
   const MapContent& content_;
   PinholeCamera camera_;
   Map& map_;
+  PinholeCamera made_by_;
+  double zoom_x_ = 1.0, zoom_y_ = 1.0;  // from its pixels to ours
+  double levels_ = 1.0;                 // from its pyramid levels to ours
 };
 
 }  // namespace povslam

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ namespace povslam {
 struct ReplaySettings {
   AppConfig config;                            // sensors[0] says the mount; the frames come from the driver given
   std::optional<Rigid3> T_world_camera_start;  // else config.start
+  std::filesystem::path map;                   // store to begin with and to go on writing to; empty: none
 };
 
 enum class Stage : std::uint8_t { features, track, keyframe, smooth, close_loop, total };
