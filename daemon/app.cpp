@@ -7,8 +7,9 @@
 namespace povslam {
 namespace {
 
-constexpr std::size_t kPoseRing = 256;   // 8 s at 30 Hz: what a stalled publisher may hold back
-constexpr std::size_t kProblemRing = 8;  // the pipeline asks for one at a time
+constexpr std::size_t kPoseRing = 256;  // 8 s at 30 Hz: what a stalled publisher may hold back
+constexpr std::size_t kJobRing = 8;     // the pipeline asks for one of a kind at a time
+constexpr std::size_t kChangeRing = 2;  // and hands out one change
 
 Rigid3 start_of(const AppConfig& config, const AppOptions& options, const Rigid3& T_body_camera) {
   if (options.T_world_camera_start) return *options.T_world_camera_start * T_body_camera.inverse();
@@ -37,21 +38,39 @@ Result<std::unique_ptr<App>> App::start(const AppConfig& config, AppOptions opti
   calibration.T_body_sensor = mount_of(sensor, calibration);
   log::info("{}: {}, {} x {} px, {:.1f} Hz", sensor.name, setup->description, calibration.camera.width,
             calibration.camera.height, calibration.fps);
-  return std::unique_ptr<App>(new App(config, std::move(options), std::move(*setup)));
+  std::optional<OpenedStore> map;
+  if (!options.map_store.empty()) {
+    Result<OpenedStore> opened = open_or_quarantine(options.map_store);
+    if (!opened) return Error{"map.store: " + opened.error().message};
+    map.emplace(std::move(*opened));
+    log::info("{}: {} keyframes, {} landmarks", map->store.file().string(), map->content.keyframes.size(),
+              map->content.landmarks.size());
+  }
+  return std::unique_ptr<App>(new App(config, std::move(options), std::move(*setup), std::move(map)));
 }
 
-App::App(const AppConfig& config, AppOptions options, DriverSetup setup)
+App::App(const AppConfig& config, AppOptions options, DriverSetup setup, std::optional<OpenedStore> map)
     : setup_(std::move(setup)),
       frames_(config.daemon.frame_slots),
       poses_(kPoseRing),
-      asked_(kProblemRing),
-      solved_(kProblemRing),
-      pipeline_(
-          std::make_unique<Pipeline>(config.pipeline, setup_.sensors[0], start_of(config, options, T_body_camera()))) {
+      asked_(kJobRing),
+      solved_(kJobRing),
+      changes_taken_(kChangeRing),
+      changes_stored_(kChangeRing),
+      pipeline_(std::make_unique<Pipeline>(config.pipeline, setup_.sensors[0],
+                                           start_of(config, options, T_body_camera()),
+                                           map && map->content.meta.next_keyframe > 0 ? &map->content : nullptr)) {
+  counters_.store_used = map.has_value();
+  counters_.store_replaced = map && !map->quarantined.empty();
   reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s)}, options.sinks,
                     poses_, counters_);
-  backend_.emplace(asked_, solved_, config.pipeline.backend.smooth, counters_);
-  tracking_.emplace(*pipeline_, frames_, poses_, asked_, solved_, counters_, options.probe);
+  backend_.emplace(asked_, solved_, config.pipeline.backend, counters_);
+  ChangeOutlet outlet;
+  if (map) {
+    store_.emplace(std::move(map->store), changes_taken_, changes_stored_, counters_);
+    outlet = {&changes_taken_, &changes_stored_};
+  }
+  tracking_.emplace(*pipeline_, frames_, poses_, asked_, solved_, outlet, counters_, options.probe);
   reporter_->watch(&*tracking_);
   options.sensor.name = config.sensors[0].name;
   sensor_.emplace(options.sensor, std::move(options.driver), setup_, frames_, counters_, std::move(options.on_end));
@@ -65,8 +84,20 @@ void App::stop() {
   sensor_.reset();
   if (reporter_) reporter_->watch(nullptr);
   tracking_.reset();
+  store_rest();
   backend_.reset();
   reporter_.reset();
+}
+
+// The pipeline hands a change out only when the one before is back.
+void App::store_rest() {
+  if (store_ && store_->finish()) {
+    while (const auto change = changes_stored_.try_pop()) pipeline_->give_back(*change);
+    if (MapChange* rest = pipeline_->collect_change()) {
+      if (store_->commit_rest(*rest)) pipeline_->give_back(rest);
+    }
+  }
+  store_.reset();
 }
 
 }  // namespace povslam

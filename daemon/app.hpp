@@ -1,5 +1,6 @@
 // The running daemon without its process: owns the driver, the rings, the threads and the pipeline. The order of the
-// members is the order of starting; destruction stops them in reverse: sensor, tracking, backend, reporter.
+// members is the order of starting; destruction stops them in reverse: sensor, tracking, store,
+// backend, reporter.
 #pragma once
 
 #include <functional>
@@ -14,6 +15,8 @@
 #include "daemon/reporter.hpp"
 #include "daemon/sensor_thread.hpp"
 #include "daemon/sink.hpp"
+#include "daemon/store.hpp"
+#include "daemon/store_thread.hpp"
 #include "daemon/tracking_thread.hpp"
 
 namespace povslam {
@@ -23,17 +26,20 @@ struct AppOptions {
   std::vector<Sink*> sinks;                    // outlive the App
   std::function<void()> on_end;                // a finite source is over; called on the sensor thread
   std::optional<Rigid3> T_world_camera_start;  // overrides config.start
+  std::filesystem::path map_store;             // the map's file; empty: it is not kept. In place of config.map
   SensorThreadOptions sensor;  // pauses between attempts to reopen; its name comes from the configuration
   TrackingProbe probe;
 };
 
 class App {
  public:
-  // Opens the sensor and starts all threads. Fails with the sensor's message when it cannot be opened.
+  // Opens the sensor and the map and starts all threads. Fails with the sensor's message when it cannot be opened, and
+  // with the store's when it cannot be used; a damaged store is set aside and the map begins empty.
   static Result<std::unique_ptr<App>> start(const AppConfig& config, AppOptions options);
   ~App();
 
-  // Stops within 2 s (a driver's next() returns within 1 s): what was received is tracked and given to the sinks.
+  // Stops within 2 s (a driver's next() returns within 1 s): what was received is tracked and given to the sinks,
+  // what was learned is stored.
   void stop();
 
   const Counters& counters() const { return counters_; }
@@ -42,16 +48,19 @@ class App {
   const Pipeline& pipeline() const { return *pipeline_; }  // after stop()
 
  private:
-  App(const AppConfig& config, AppOptions options, DriverSetup setup);
+  App(const AppConfig& config, AppOptions options, DriverSetup setup, std::optional<OpenedStore> map);
+  void store_rest();
 
   DriverSetup setup_;
   Counters counters_;
   FrameExchange frames_;
   PoseRing poses_;
-  ProblemRing asked_, solved_;
+  JobRing asked_, solved_;
+  ChangeRing changes_taken_, changes_stored_;
   std::unique_ptr<Pipeline> pipeline_;
   std::optional<Reporter> reporter_;
   std::optional<BackendThread> backend_;
+  std::optional<StoreThread> store_;
   std::optional<TrackingThread> tracking_;
   std::optional<SensorThread> sensor_;
 };

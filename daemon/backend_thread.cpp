@@ -6,8 +6,8 @@
 
 namespace povslam {
 
-BackendThread::BackendThread(SpscRing<SmoothProblem*>& asked, SpscRing<SmoothProblem*>& solved,
-                             const SmoothOptions& options, Counters& counters)
+BackendThread::BackendThread(SpscRing<BackendJob>& asked, SpscRing<BackendJob>& solved, const BackendOptions& options,
+                             Counters& counters)
     : asked_(asked),
       solved_(solved),
       options_(options),
@@ -22,13 +22,13 @@ BackendThread::~BackendThread() {
 
 void BackendThread::run(const std::stop_token& stop) {
   name_this_thread("backend");
-  while (auto problem = asked_.pop()) {
+  while (auto job = asked_.pop()) {
     if (stop.stop_requested()) return;
     const TimeNs begun = monotonic_now();
-    smooth(**problem, options_);
+    solve(*job, options_);
     counters_.backend_last.store(monotonic_now() - begun, std::memory_order_relaxed);
     counters_.backend_runs.fetch_add(1, std::memory_order_relaxed);
-    const bool taken = solved_.try_push(std::move(*problem));
+    const bool taken = solved_.try_push(std::move(*job));
     EXPECTS(taken);  // the ring holds as many as can be asked for at once
   }
 }

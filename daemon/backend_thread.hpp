@@ -1,17 +1,17 @@
-// The backend thread: solves the pipeline's bundle adjustments beside tracking.
+// The backend thread: solves what the pipeline asks beside tracking.
 #pragma once
 
 #include <thread>
 
 #include "daemon/counters.hpp"
-#include "pipeline/backend/smooth.hpp"
+#include "pipeline/backend_job.hpp"
 #include "pipeline/base/spsc_ring.hpp"
 
 namespace povslam {
 
 class BackendThread {
  public:
-  BackendThread(SpscRing<SmoothProblem*>& asked, SpscRing<SmoothProblem*>& solved, const SmoothOptions& options,
+  BackendThread(SpscRing<BackendJob>& asked, SpscRing<BackendJob>& solved, const BackendOptions& options,
                 Counters& counters);
   ~BackendThread();  // closes `asked`, finishes the problem at hand, joins
 
@@ -21,9 +21,9 @@ class BackendThread {
  private:
   void run(const std::stop_token& stop);
 
-  SpscRing<SmoothProblem*>& asked_;
-  SpscRing<SmoothProblem*>& solved_;
-  SmoothOptions options_;
+  SpscRing<BackendJob>& asked_;
+  SpscRing<BackendJob>& solved_;
+  BackendOptions options_;
   Counters& counters_;
   std::jthread thread_;
 };

@@ -23,6 +23,12 @@ Rigid3 SensorConfig::T_body_sensor() const {
   return T_body_housing * level_forward_camera();
 }
 
+std::string store_file(const MapConfig& config, const char* state_folder) {
+  if (config.store != "auto") return config.store;
+  const std::string folders = state_folder == nullptr ? "" : state_folder;
+  return folders.empty() ? "" : folders.substr(0, folders.find(':')) + "/map.db";
+}
+
 namespace {
 
 // Where `word` stands alone in `text`, npos if nowhere.

@@ -54,11 +54,19 @@ struct DaemonConfig {
   bool exit_at_end = true;       // stop once a source that ends (a recording) has ended
 };
 
+struct MapConfig {
+  std::string store = "auto";  // file; empty: none; auto: see store_file()
+};
+
+// Where map.store says the map is; `state_folder`: what systemd gives a service ($STATE_DIRECTORY), or null.
+std::string store_file(const MapConfig& config, const char* state_folder);
+
 struct AppConfig {
   LcmConfig lcm;
   LogConfig log;
   DaemonConfig daemon;
   PoseConfig start;  // T_world_body at the first frame
+  MapConfig map;
   PipelineOptions pipeline;
   std::vector<SensorConfig> sensors;
 };

@@ -77,6 +77,9 @@ std::vector<Key<AppConfig>> frontend_table() {
       key("track.frames_to_lost", AT(pipeline.frontend.track.frames_to_lost), 1, 300,
           "Frames in a row without a pose before LOST"),
 
+      text("map.store", AT(map.store),
+           "File the map is kept in; auto: map.db in the service's state folder (/var/lib/povslam), nowhere when not "
+           "started by systemd; empty: nowhere"),
       key("map.max_keyframes", AT(pipeline.frontend.map.max_keyframes), 10, 100000, "Bounds the memory"),
       key("map.max_landmarks", AT(pipeline.frontend.map.max_landmarks), 1000, 5000000, "Bounds the memory"),
       key("map.keyframe_min_frames", AT(pipeline.frontend.map.keyframe_min_frames), 1, 1000,
@@ -89,6 +92,11 @@ std::vector<Key<AppConfig>> frontend_table() {
       key("map.smooth_max_points", AT(pipeline.frontend.map.smooth_max_points), 10, 1000000, "Landmarks in it"),
       key("map.smooth_max_observations", AT(pipeline.frontend.map.smooth_max_observations), 100, 10000000,
           "Observations in it"),
+      key("map.change_period_s", AT(pipeline.frontend.map.change_period_s), 0.1, 60.0,
+          "So often what changed in the map is stored"),
+      text("map.mode", AT(pipeline.frontend.map.mode), "localise: the map stays as it is", {"map", "localise"}),
+      text("map.start", AT(pipeline.frontend.map.start),
+           "On an existing map: search the whole map, or try the start pose first (a dock)", {"search", "known"}),
   };
 }
 
@@ -105,6 +113,18 @@ std::vector<Key<AppConfig>> backend_table() {
       key("smooth.outlier_chi2_no_depth", AT(pipeline.backend.smooth.outlier_chi2_no_depth), 0.1, 1000.0,
           "The same for an observation without depth"),
       key("smooth.num_threads", AT(pipeline.backend.smooth.num_threads), 1, 64, "Threads of the solver"),
+      key("loop.max_iterations", AT(pipeline.backend.close_loop.max_iterations), 1, 1000,
+          "Of each round of closing a loop"),
+      key("loop.max_solve_s", AT(pipeline.backend.close_loop.max_solve_s), 0.0, 600.0,
+          "A loop not closed by then is dropped; 0: no limit, and replay gives the same bytes each time"),
+      key("loop.loop_scale", AT(pipeline.backend.close_loop.loop_scale), 0.1, 100.0,
+          "Whitened residual norm beyond which a recognised place is believed less and less"),
+      key("loop.max_loop_error_m", AT(pipeline.backend.close_loop.max_loop_error_m), 0.001, 10.0,
+          "A loop whose ends are still farther apart afterwards is refused"),
+      key("loop.max_loop_error_rad", AT(pipeline.backend.close_loop.max_loop_error_rad), 0.001, 3.2,
+          "The same of their orientation"),
+      key("loop.max_strain", AT(pipeline.backend.close_loop.max_strain), 0.1, 1000.0,
+          "It is also refused when neighbours would be bent by more than this whitened norm"),
   };
 }
 
@@ -135,7 +155,8 @@ std::vector<Key<SensorConfig>> sensor_table() {
 
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
-              sizeof(MapOptions) == 32 && sizeof(SmoothOptions) == 40 && sizeof(PipelineOptions) == 184);
+              sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(CloseLoopOptions) == 48 &&
+              sizeof(PipelineOptions) == 304);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -22,9 +22,15 @@ struct Counters {
   std::atomic<std::int64_t> reopened{0};
   std::atomic<int> sensors_up{0};
   std::atomic<std::int64_t> backend_runs{0};
-  std::atomic<TimeNs> backend_last{0};  // duration of the last run
-  std::atomic<TimeNs> feeder_cpu{0};    // CPU of the sensor thread
-  std::atomic<TimeNs> tracking_cpu{0};  // CPU of the tracking thread
+  std::atomic<TimeNs> backend_last{0};      // duration of the last run
+  std::atomic<bool> store_used{false};      // the map is kept on disk
+  std::atomic<bool> store_replaced{false};  // what was on the disk was damaged: the map began empty
+  std::atomic<bool> store_failing{false};   // the last commit failed
+  std::atomic<std::int64_t> store_commits{0};
+  std::atomic<TimeNs> store_committed_at{0};  // monotonic, of the last one; 0: none yet
+  std::atomic<TimeNs> store_last{0};          // duration of the last one
+  std::atomic<TimeNs> feeder_cpu{0};          // CPU of the sensor thread
+  std::atomic<TimeNs> tracking_cpu{0};        // CPU of the tracking thread
 
   void drop(DropReason reason, std::int64_t count = 1) {
     drops[static_cast<std::size_t>(reason)].fetch_add(count, std::memory_order_relaxed);

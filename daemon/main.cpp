@@ -1,6 +1,7 @@
 // povslamd: reads its configuration, opens its camera and publishes where the robot is, until it is told to stop.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 
 #include "daemon/app.hpp"
@@ -73,6 +74,7 @@ int main_with(const Arguments& arguments) {
   if (!driver) return complain({sensor.locate(driver.error().message)}, kBadUsage);
   if (arguments.check) return 0;
   options.driver = std::move(*driver);
+  options.map_store = store_file(config->map, std::getenv("STATE_DIRECTORY"));
   return run(*config, std::move(options));
 }
 

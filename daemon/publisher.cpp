@@ -117,7 +117,7 @@ void Publisher::on_health(const Health& health) {
   message.session_id = impl_->session_id;
   message.version = POVSLAM_VERSION;
   message.uptime_s = health.uptime_s;
-  message.state = static_cast<std::int8_t>(health.state);
+  message.state = static_cast<std::int8_t>(overall_state(health));
   message.tracking_alive = health.tracking_alive ? 1 : 0;
   message.sensors_up = health.sensors_up;
   message.sensors_down = health.sensors_down;
@@ -141,6 +141,10 @@ void Publisher::on_health(const Health& health) {
   message.landmarks = health.map.landmarks;
   message.backend_runs = health.backend_runs;
   message.backend_last_ms = health.backend_last_ms;
+  message.map_store = static_cast<std::int8_t>(health.store.state);
+  message.map_commits = health.store.commits;
+  message.map_commit_age_s = health.store.commit_age_s;
+  message.map_commit_last_ms = health.store.commit_last_ms;
   message.memory_rss_mb = health.memory_rss_mb;
   impl_->send(kHealthChannel, message);
 }

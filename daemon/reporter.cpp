@@ -34,6 +34,19 @@ double memory_rss_mb() {
   return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
 }
 
+StoreHealth store_health(const Counters& counters, TimeNs now) {
+  StoreHealth health;
+  if (!counters.store_used.load()) return health;
+  health.state = counters.store_failing.load()    ? StoreState::failing
+                 : counters.store_replaced.load() ? StoreState::began_empty
+                                                  : StoreState::ok;
+  health.commits = counters.store_commits.load();
+  const TimeNs committed_at = counters.store_committed_at.load();
+  if (committed_at > 0) health.commit_age_s = to_seconds(now - committed_at);
+  health.commit_last_ms = to_ms(counters.store_last.load());
+  return health;
+}
+
 }  // namespace
 
 Reporter::Reporter(const ReporterOptions& options, std::vector<Sink*> sinks, PoseRing& poses, const Counters& counters)
@@ -108,8 +121,15 @@ Health Reporter::collect() {
   health.map = map_;
   health.backend_runs = counters_.backend_runs.load();
   health.backend_last_ms = to_ms(counters_.backend_last.load());
+  health.store = store_health(counters_, now);
   health.memory_rss_mb = memory_rss_mb();
   return health;
+}
+
+TrackState overall_state(const Health& health) {
+  const bool store_needs_somebody =
+      health.store.state == StoreState::failing || health.store.state == StoreState::began_empty;
+  return store_needs_somebody && health.state == TrackState::ok ? TrackState::degraded : health.state;
 }
 
 const char* to_string(DropReason reason) {

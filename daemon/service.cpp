@@ -19,6 +19,9 @@ std::string status_text(const Health& health) {
       health.map.landmarks, dropped, health.frames_in + dropped, health.memory_rss_mb);
   if (health.sensors_down > 0) text += fmt::format(", {} sensor down", health.sensors_down);
   if (!health.tracking_alive) text += ", tracking hangs";
+  if (health.store.state == StoreState::failing) text += ", DEGRADED: the map is not being stored";
+  if (health.store.state == StoreState::began_empty)
+    text += ", DEGRADED: the stored map was damaged, an empty one began";
   return text;
 }
 
@@ -35,7 +38,7 @@ void Service::stopping() {
 void Service::on_health(const Health& health) {
   if (health.tracking_alive) sd_notify(0, "WATCHDOG=1");
   const bool changed = !any_health_ || health.state != last_.state || health.sensors_down != last_.sensors_down ||
-                       health.tracking_alive != last_.tracking_alive;
+                       health.tracking_alive != last_.tracking_alive || health.store.state != last_.store.state;
   if (changed) {
     const std::string text = status_text(health);
     sd_notifyf(0, "STATUS=%s", text.c_str());

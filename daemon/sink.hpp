@@ -20,6 +20,15 @@ struct Percentiles {
   double p50 = 0.0, p99 = 0.0;
 };
 
+enum class StoreState : std::uint8_t { none, ok, began_empty, failing };  // see health_t.lcm
+
+struct StoreHealth {
+  StoreState state = StoreState::none;
+  std::int64_t commits = 0;
+  double commit_age_s = -1.0;  // since the last one; < 0: none yet
+  double commit_last_ms = 0.0;
+};
+
 struct Health {
   TrackState state = TrackState::initialising;  // of the last frame
   bool tracking_alive = true;
@@ -34,8 +43,13 @@ struct Health {
   MapSize map;
   std::int64_t backend_runs = 0;
   double backend_last_ms = 0.0;
+  StoreHealth store;
   double memory_rss_mb = 0.0;
 };
+
+// The state as the robot's operator should see it: tracking's, but no better than degraded while the map on disk needs
+// somebody.
+TrackState overall_state(const Health& health);
 
 // Calls come one at a time, never from the tracking thread.
 class Sink {

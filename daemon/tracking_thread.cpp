@@ -4,13 +4,14 @@
 
 namespace povslam {
 
-TrackingThread::TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, ProblemRing& asked,
-                               ProblemRing& solved, Counters& counters, TrackingProbe probe)
+TrackingThread::TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked,
+                               JobRing& solved, ChangeOutlet changes, Counters& counters, TrackingProbe probe)
     : pipeline_(pipeline),
       frames_(frames),
       poses_(poses),
       asked_(asked),
       solved_(solved),
+      changes_(changes),
       counters_(counters),
       probe_(probe),
       thread_([this] { run(); }) {}
@@ -29,13 +30,14 @@ void TrackingThread::run() {
     if (probe_.pose_handed_over != nullptr) probe_.pose_handed_over();
     frames_.give_back();
     ask_backend();
+    hand_out_change();
     counters_.tracking_cpu.store(thread_cpu_now(), std::memory_order_relaxed);
     busy_since_.store(0, std::memory_order_relaxed);
   }
 }
 
 void TrackingThread::localise(const SensorFrame& frame) {
-  while (const auto problem = solved_.try_pop()) pipeline_.give_back(*problem);
+  while (const auto job = solved_.try_pop()) pipeline_.give_back(*job);
   out_.pose = pipeline_.localise(frame.rgbd);
   out_.map = pipeline_.map_size();
   out_.received = frame.received;
@@ -46,8 +48,18 @@ void TrackingThread::localise(const SensorFrame& frame) {
 }
 
 void TrackingThread::ask_backend() {
-  SmoothProblem* problem = pipeline_.take_problem();
-  if (problem != nullptr && !asked_.try_push(std::move(problem))) pipeline_.give_back(problem);
+  while (const auto job = pipeline_.take_job()) {
+    if (!asked_.try_push(BackendJob(*job))) pipeline_.give_back(*job);
+  }
+}
+
+void TrackingThread::hand_out_change() {
+  if (changes_.taken == nullptr) return;
+  while (const auto stored = changes_.stored->try_pop()) pipeline_.give_back(*stored);
+  MapChange* change = pipeline_.take_change();
+  if (change == nullptr) return;
+  const bool taken = changes_.taken->try_push(std::move(change));
+  EXPECTS(taken);  // given back unstored it would be forgotten; the ring holds as many as can be out at once
 }
 
 bool TrackingThread::alive(TimeNs limit) const {

@@ -19,13 +19,20 @@ struct TrackingProbe {
 };
 
 using PoseRing = SpscRing<TrackedFrame>;
-using ProblemRing = SpscRing<SmoothProblem*>;
+using JobRing = SpscRing<BackendJob>;
+using ChangeRing = SpscRing<MapChange*>;
+
+// Changes of the map on their way to the disk and back; null: nobody stores it.
+struct ChangeOutlet {
+  ChangeRing* taken = nullptr;
+  ChangeRing* stored = nullptr;
+};
 
 class TrackingThread {
  public:
-  // asked: problems to solve, solved: the answers. The pipeline is this thread's alone until it is destroyed.
-  TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, ProblemRing& asked, ProblemRing& solved,
-                 Counters& counters, TrackingProbe probe);
+  // asked: jobs to solve, solved: the answers. The pipeline is this thread's alone until it is destroyed.
+  TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked, JobRing& solved,
+                 ChangeOutlet changes, Counters& counters, TrackingProbe probe);
   ~TrackingThread();  // closes the exchange, tracks what is inside, joins
 
   TrackingThread(const TrackingThread&) = delete;
@@ -39,12 +46,14 @@ class TrackingThread {
   void run();
   void localise(const SensorFrame& frame);
   void ask_backend();
+  void hand_out_change();
 
   Pipeline& pipeline_;
   FrameExchange& frames_;
   PoseRing& poses_;
-  ProblemRing& asked_;
-  ProblemRing& solved_;
+  JobRing& asked_;
+  JobRing& solved_;
+  ChangeOutlet changes_;
   Counters& counters_;
   TrackingProbe probe_;
   TrackedFrame out_;

@@ -1,6 +1,7 @@
 // Options of the whole journey.
 #pragma once
 
+#include "pipeline/backend/close_loop.hpp"
 #include "pipeline/backend/smooth.hpp"
 #include "pipeline/frontend/options.hpp"
 
@@ -9,6 +10,7 @@ namespace povslam {
 struct BackendOptions {
   int delay_frames = 10;  // replay: the answer of a background job enters this many frames after it was asked for
   SmoothOptions smooth;
+  CloseLoopOptions close_loop;
 };
 
 struct PipelineOptions {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "pipeline/base/time.hpp"
+#include "pipeline/frontend/loop_counts.hpp"
 #include "pipeline/frontend/track_state.hpp"
 #include "pipeline/geometry/rigid.hpp"
 
@@ -24,7 +25,7 @@ struct PoseEstimate {
   Rigid3 T_world_body;
   Rigid3 T_odom_body;                      // continuous (REP-105): never jumps when the map is corrected
   Matrix6d covariance = Matrix6d::Zero();  // of T_world_body: (x, y, z, rot_x, rot_y, rot_z), world axes (see Rigid3)
-  std::uint32_t map_version = 0;  // grows when the map was corrected as a whole (loop closure); poses may jump there
+  std::uint32_t map_version = 0;  // grows with every jump of T_world_*: a loop was closed, a lost robot found itself
   int num_features = 0;
   int num_landmarks = 0;  // matched and fitting
   bool keyframe = false;

@@ -5,9 +5,10 @@
 namespace povslam {
 
 struct Pipeline::Impl {
-  Impl(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start)
+  Impl(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start,
+       const MapContent* map)
       : T_camera_body(calibration.T_body_sensor.inverse()),
-        tracker(calibration, options.frontend, T_world_body_start * calibration.T_body_sensor) {
+        tracker(calibration, options.frontend, T_world_body_start * calibration.T_body_sensor, map) {
     T_odom_start = T_world_body_start * calibration.T_body_sensor;
   }
 
@@ -18,8 +19,8 @@ struct Pipeline::Impl {
 };
 
 Pipeline::Pipeline(const PipelineOptions& options, const SensorCalibration& calibration,
-                   const Rigid3& T_world_body_start, const MapContent* /*map*/)
-    : impl_(std::make_unique<Impl>(options, calibration, T_world_body_start)) {}
+                   const Rigid3& T_world_body_start, const MapContent* map)
+    : impl_(std::make_unique<Impl>(options, calibration, T_world_body_start, map)) {}
 Pipeline::~Pipeline() = default;
 
 namespace {
@@ -49,6 +50,7 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   out.T_world_body = track.T_world_camera * impl_->T_camera_body;
   out.T_odom_body = impl_->T_odom_start * track.T_odom_camera * impl_->T_camera_body;
   out.covariance = covariance_of_body(track.covariance, track.T_world_camera, impl_->T_camera_body);
+  out.map_version = track.map_version;
   out.num_features = track.num_features;
   out.num_landmarks = track.num_landmarks;
   out.keyframe = track.keyframe;
@@ -58,31 +60,34 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   return out;
 }
 
-SmoothProblem* Pipeline::take_problem() {
-  return impl_->tracker.take_problem();
+std::optional<BackendJob> Pipeline::take_job() {
+  if (LoopProblem* loop = impl_->tracker.take_loop()) return loop;
+  if (SmoothProblem* window = impl_->tracker.take_problem()) return window;
+  return std::nullopt;
 }
-void Pipeline::give_back(SmoothProblem* problem) {
-  impl_->tracker.give_back(problem);
+void Pipeline::give_back(const BackendJob& job) {
+  std::visit([this](auto* problem) { impl_->tracker.give_back(problem); }, job);
 }
-
-LoopProblem* Pipeline::take_loop() {
-  return nullptr;
-}
-void Pipeline::give_back(LoopProblem* /*loop*/) {}
 
 MapChange* Pipeline::take_change() {
-  return nullptr;
+  return impl_->tracker.take_change();
 }
 MapChange* Pipeline::collect_change() {
-  return nullptr;
+  return impl_->tracker.collect_change();
 }
-void Pipeline::give_back(MapChange* /*change*/) {}
+void Pipeline::give_back(MapChange* change) {
+  impl_->tracker.give_back(change);
+}
 
 std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {
   return impl_->tracker.map().keyframe_pose(keyframe);
 }
 MapSize Pipeline::map_size() const {
   return {impl_->tracker.map().num_keyframes(), impl_->tracker.map().num_landmarks()};
+}
+
+LoopCounts Pipeline::loops() const {
+  return impl_->tracker.loops();
 }
 
 }  // namespace povslam

@@ -3,18 +3,17 @@
 //
 //   Pipeline pipeline(options, calibration, T_world_body_start);
 //   for each frame:  publish(pipeline.localise(frame));
-//                    if (SmoothProblem* problem = pipeline.take_problem()) …solve it beside tracking with smooth()…
-//                    …once solved, before a later localise(): pipeline.give_back(problem);
+//                    while (const auto job = pipeline.take_job()) …solve(*job, …) beside tracking…
+//                    …once solved, before a later localise(): pipeline.give_back(*job);
 #pragma once
 
 #include <memory>
 #include <optional>
 
+#include "pipeline/backend_job.hpp"
 #include "pipeline/frames/calibration.hpp"
 #include "pipeline/frames/rgbd_frame.hpp"
-#include "pipeline/frontend/loop_problem.hpp"
 #include "pipeline/frontend/map_rows.hpp"
-#include "pipeline/frontend/smooth_problem.hpp"
 #include "pipeline/options.hpp"
 #include "pipeline/output.hpp"
 
@@ -31,14 +30,11 @@ class Pipeline {
   // Tracks one frame. After warm-up neither allocates nor locks. The result is valid until the next call.
   const PoseEstimate& localise(const RgbdFrame& frame);
 
-  // After localise(): a bundle adjustment to solve beside tracking, or null. The problem stays the pipeline's; the
-  // caller may hand it to another thread and must give it back, solved or not, between two calls of localise().
-  SmoothProblem* take_problem();
-  void give_back(SmoothProblem* problem);
-
-  // The same for a loop to be closed beside tracking, with close_loop().
-  LoopProblem* take_loop();
-  void give_back(LoopProblem* loop);
+  // After localise(): work to be done beside tracking with solve(), or none; call until there is none. It stays the
+  // pipeline's; the caller may hand it to another thread and must give it back, solved or not, between two calls of
+  // localise().
+  std::optional<BackendJob> take_job();
+  void give_back(const BackendJob& job);
 
   // After localise(): what became of the map since the last change taken, or null when nothing did, or too little time
   // has passed (map.change_period_s of frame stamps). One is out at a time; give it back between two calls once it is
@@ -50,6 +46,7 @@ class Pipeline {
   // Present pose of a keyframe named by a PoseEstimate (also of one merged away since), T_world_camera.
   std::optional<Rigid3> keyframe_pose(std::int64_t keyframe) const;
   MapSize map_size() const;
+  LoopCounts loops() const;  // since the start
 
  private:
   struct Impl;

@@ -18,11 +18,11 @@ struct SyntheticOptions {
   double fps = 30.0;
   double speed_mps = 0.6;
   double noise = 1.0;         // factor on every noise of the sensors; 0: perfect images, no dropout
-  bool changes = true;        // false: everything stays as it is before the change
   bool blur = false;          // motion blur of an 8 ms exposure
   double max_depth_m = 8.0;   // depth beyond it reads 0
   bool labels = false;        // deliver class labels and instances too
   bool lidar = false;         // deliver LiDAR scans too
+  bool changes = true;        // false: nothing moves, goes or comes after the first lap
   int movers = 0;             // people walking up and down
   bool realtime = true;       // driver: pace by the monotonic clock
   double start_time_s = 0.0;  // stamp of the first frame

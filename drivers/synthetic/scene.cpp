@@ -95,10 +95,11 @@ Result<Scene> build_scene(const SyntheticOptions& options, const RobotMotion& mo
         "synthetic: no layout of scene '" + options.scene +
         "' lets its objects change unseen by this camera; narrow its view (larger fx, fy) or take another seed"};
   }
-  add_movers(layout.objects, options, motion.path(), layout.floors.front());
   if (!options.changes) {
     for (Object& object : layout.objects) object.after = object.before;
+    std::erase_if(layout.objects, [](const Object& object) { return !object.before.present; });
   }
+  add_movers(layout.objects, options, motion.path(), layout.floors.front());
   return Scene{std::move(layout.objects), motion.path(), std::move(layout.floors),
                options.scene == "twins" ? kTwinPitch_m : 0.0};
 }

@@ -1,11 +1,11 @@
 #include "pipeline/backend/smooth.hpp"
 
 #include <ceres/ceres.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <memory>
 
+#include "pipeline/backend/silence_ceres.hpp"
 #include "pipeline/backend/smooth_window.hpp"
 
 namespace povslam {
@@ -115,14 +115,6 @@ void adopt(const SmoothWindow& window, const SmoothOptions& options, SmoothProbl
   }
   for (std::size_t i = 0; i < window.points.size(); ++i) problem.points[i].p_world = window.points[i];
   for (std::size_t i = 0; i < window.used.size(); ++i) problem.observations[i].outlier = !window.fits(i, options);
-}
-
-void silence_ceres() {
-  static const bool silent = [] {
-    FLAGS_minloglevel = google::GLOG_FATAL;  // its warnings are about numbers we look at ourselves
-    return true;
-  }();
-  static_cast<void>(silent);
 }
 
 }  // namespace

@@ -33,7 +33,9 @@ struct Keyframe {
   std::span<float> inverse_depth, sigma_inverse_depth;  // 1/m; 0 = none
   std::span<std::uint8_t> level;
   std::span<Descriptor> descriptor;
+  std::span<std::uint32_t> word;     // of the vocabulary, for recognising places
   std::span<std::int32_t> landmark;  // slot, kNone
+  std::uint32_t joined = 0;          // changes with every change of `landmark`
 
   int num_covisible = 0;
   std::array<Covisible, kMaxCovisible> covisible{};  // heaviest first

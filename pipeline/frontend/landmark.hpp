@@ -1,7 +1,9 @@
 // A point of the world that features of several keyframes see.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "pipeline/frontend/orb.hpp"
@@ -27,6 +29,7 @@ struct Landmark {
   Eigen::Vector3f tangent_x =
       Eigen::Vector3f::Zero();  // …on a surface where one px of the patch spans these [m, world]
   Eigen::Vector3f tangent_y = Eigen::Vector3f::Zero();
+  std::int64_t id = -1;          // unique for ever within one map
   std::uint32_t generation = 0;  // of the slot
   std::int64_t born_keyframe = -1;
   std::int32_t anchor = -1;  // keyframe slot it moves with when that is corrected
@@ -36,5 +39,12 @@ struct Landmark {
   int num_sightings = 0;
   std::array<LandmarkSighting, kMaxSightings> sightings{};
 };
+
+// Pyramid level at which a point seen on level_reference from distance_reference_m is found from distance_m: a point
+// twice as far looks half as large and is found lower in the pyramid. log_scale: ln of the levels' size ratio.
+inline int predicted_level(double level_reference, double distance_reference_m, double distance_m, double log_scale) {
+  const double level = level_reference + std::log(distance_reference_m / distance_m) / log_scale;
+  return static_cast<int>(std::lround(std::clamp(level, -100.0, 100.0)));
+}
 
 }  // namespace povslam

@@ -16,12 +16,6 @@ constexpr double kRatioLast = 0.9;
 LandmarkSearch::LandmarkSearch(const PinholeCamera& camera, const FrontendOptions& options)
     : camera_(camera), log_scale_(std::log(options.orb.scale_factor)), num_levels_(options.orb.num_levels) {}
 
-// A point twice as far looks half as large: it is found lower in the pyramid.
-int LandmarkSearch::level_at(double level_reference, double distance_reference_m, double distance_m) const {
-  const double level = level_reference + std::log(distance_reference_m / distance_m) / log_scale_;
-  return static_cast<int>(std::lround(std::clamp(level, -100.0, 100.0)));
-}
-
 void LandmarkSearch::match_last(const Map& map, const Frame& last, const Frame& frame, const Rigid3& T_camera_world,
                                 float radius_px, Matcher& matcher) const {
   matcher.start(frame);
@@ -34,7 +28,8 @@ void LandmarkSearch::match_last(const Map& map, const Frame& last, const Frame& 
         seen != kNone ? map.landmark(seen).p_world : T_world_last * last.point_camera(i, camera_);
     const Eigen::Vector3d p = T_camera_world * p_world;
     if (p.z() < kNearestM) continue;
-    const int level = level_at(last.features.level[k], (last.T_camera_world * p_world).norm(), p.norm());
+    const int level =
+        predicted_level(last.features.level[k], (last.T_camera_world * p_world).norm(), p.norm(), log_scale_);
     MatchCandidate c;
     c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
     c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
@@ -61,7 +56,7 @@ void LandmarkSearch::match_local(Map& map, const LocalMap& local_map, const Fram
     const Eigen::Vector3d toward = p_world_camera - point.p_world;
     const double distance = toward.norm();
     if (toward.dot(point.toward_camera) < kMaxViewChangeCos * distance) continue;
-    const int level = level_at(point.reference_level, point.reference_distance_m, distance);
+    const int level = predicted_level(point.reference_level, point.reference_distance_m, distance, log_scale_);
     if (level < -1 || level > num_levels_) continue;
     ++point.visible;
     MatchCandidate c;

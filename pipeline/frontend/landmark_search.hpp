@@ -23,8 +23,6 @@ class LandmarkSearch {
                    float widening, Matcher& matcher) const;
 
  private:
-  int level_at(double level_reference, double distance_reference_m, double distance_m) const;
-
   PinholeCamera camera_;
   double log_scale_;
   int num_levels_;

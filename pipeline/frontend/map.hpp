@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/frontend/frame.hpp"
+#include "pipeline/frontend/id_table.hpp"
 #include "pipeline/frontend/keyframe.hpp"
 #include "pipeline/frontend/landmark.hpp"
 #include "pipeline/frontend/patch.hpp"
@@ -30,6 +31,7 @@ class Map {
   int num_keyframes() const { return num_keyframes_; }
   std::int32_t keyframe_slots() const { return static_cast<std::int32_t>(keyframes_.size()); }
   std::int64_t next_keyframe_id() const { return next_id_; }
+  std::int64_t next_landmark_id() const { return next_landmark_id_; }
 
   // Landmarks.
   std::int32_t create_landmark(std::int32_t keyframe, int feature, const Eigen::Vector3d& p_world);  // kNone when full
@@ -37,6 +39,7 @@ class Map {
   Landmark& landmark(std::int32_t slot) { return landmarks_[static_cast<std::size_t>(slot)]; }
   const Landmark& landmark(std::int32_t slot) const { return landmarks_[static_cast<std::size_t>(slot)]; }
   Patch& patch(std::int32_t slot) { return patches_[static_cast<std::size_t>(slot)]; }
+  const Patch& patch(std::int32_t slot) const { return patches_[static_cast<std::size_t>(slot)]; }
   int num_landmarks() const { return num_landmarks_; }
   std::int32_t landmark_slots() const { return static_cast<std::int32_t>(landmarks_.size()); }
 
@@ -54,12 +57,21 @@ class Map {
   int num_levels() const { return static_cast<int>(level_scales_.size()); }
 
  private:
-  struct Ghost {  // a removed keyframe, hanging on one that stayed
+  static constexpr std::size_t kRememberedIds = 1 << 17;  // removed keyframes whose pose can still be asked for
+  struct Ghost {                                          // a removed keyframe, hanging on one that stayed
     std::int64_t id = -1;
     std::int64_t parent_id = -1;
     Rigid3 T_parent_camera;
   };
+  friend class MapLoader;
   std::int32_t free_keyframe_slot();
+  Keyframe& take_slot(std::int32_t slot, std::size_t num_features);  // its arrays laid out, its landmarks none
+  std::int32_t free_landmark_slot();                                 // kNone when full
+  void join(const LandmarkSighting& sighting, std::int32_t landmark);
+  Ghost& ghost(std::int64_t id) { return ghosts_[static_cast<std::size_t>(id - first_id_) % kRememberedIds]; }
+  const Ghost& ghost(std::int64_t id) const {
+    return ghosts_[static_cast<std::size_t>(id - first_id_) % kRememberedIds];
+  }
   void leave_ghost(const Keyframe& keyframe, std::int64_t heir_id);  // the heir may be a ghost itself
   void drop_covisibility(std::int32_t keyframe);
   void link_covisible(std::int32_t keyframe, std::int32_t other, std::int32_t weight);
@@ -71,16 +83,18 @@ class Map {
   std::vector<std::int32_t> free_keyframes_;
   std::vector<Landmark> landmarks_;
   std::vector<std::int32_t> free_landmarks_;
-  std::vector<Ghost> ghosts_;             // by id modulo size: old ones are forgotten
-  std::vector<std::int32_t> slot_of_id_;  // by id modulo size
+  IdTable slot_of_id_;
+  std::vector<Ghost> ghosts_;  // by id since the first modulo size: old ones are forgotten
   int num_keyframes_ = 0, num_landmarks_ = 0;
-  std::int64_t next_id_ = 0;
+  std::int64_t first_id_ = 0, next_id_ = 0;  // keyframes of this session
+  std::int64_t next_landmark_id_ = 0;
   std::int64_t mark_ = 0;
 
   // Feature slabs, max_features_ entries per keyframe slot.
   std::unique_ptr<float[]> floats_;  // x, y, inverse depth and its sigma, sigma of x and y
   std::unique_ptr<std::uint8_t[]> levels_;
   std::unique_ptr<Descriptor[]> descriptors_;
+  std::unique_ptr<std::uint32_t[]> words_;
   std::unique_ptr<std::int32_t[]> landmark_of_;
   std::unique_ptr<Patch[]> patches_;  // by landmark slot
 };

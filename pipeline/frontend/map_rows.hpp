@@ -54,7 +54,9 @@ struct MapMeta {
   std::int64_t next_keyframe = 0;  // ids not used yet
   std::int64_t next_landmark = 0;
   std::uint32_t map_version = 0;
-  std::uint64_t vocabulary = 0;  // fingerprint of the one the words are of; 0: none
+  std::uint64_t vocabulary = 0;                   // fingerprint of the one the words are of; 0: none
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  // px, of the camera all features are rectified to; 0: not known
+  double level_scale = 0.0;                       // size ratio of neighbouring pyramid levels; 0: not known
 };
 
 // The whole map, or what became of it since the last change: rows replace older ones of the same id. A reader applies

@@ -1,6 +1,8 @@
 // Options of the frontend: plain values with defaults, validated once where they enter (daemon/config_file).
 #pragma once
 
+#include <string>
+
 #include "pipeline/frontend/orb.hpp"
 
 namespace povslam {
@@ -32,6 +34,9 @@ struct MapOptions {
   int smooth_max_fixed_poses = 24;  // keyframes that see the same landmarks and hold the window
   int smooth_max_points = 6000;
   int smooth_max_observations = 40000;
+  double change_period_s = 2.0;  // between two takings of what changed, for the map on disk
+  std::string mode = "map";      // "localise": the map stays as it is
+  std::string start = "search";  // on an existing map: anywhere; "known": where the start pose says, then anywhere
 };
 
 struct FrontendOptions {

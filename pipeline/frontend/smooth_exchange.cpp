@@ -9,7 +9,7 @@ SmoothExchange::SmoothExchange(const PinholeCamera& camera, const FrontendOption
       options_(options.map),
       pose_of_keyframe_(static_cast<std::size_t>(options.map.max_keyframes), -1),
       point_of_landmark_(static_cast<std::size_t>(options.map.max_landmarks), -1),
-      motion_of_keyframe_(static_cast<std::size_t>(options.map.max_keyframes)) {}
+      motion_(options.map) {}
 
 void SmoothExchange::reserve(SmoothProblem& problem) const {
   problem.poses.reserve(static_cast<std::size_t>(options_.smooth_max_poses + options_.smooth_max_fixed_poses));
@@ -105,28 +105,15 @@ bool SmoothExchange::cut(Map& map, std::int32_t slot, std::int64_t frame_index, 
 }
 
 void SmoothExchange::move_keyframes(Map& map, const SmoothProblem& problem) {
-  for (Motion& motion : motion_of_keyframe_) motion = Motion{};
+  motion_.start();
   std::int64_t newest = -1;
   for (const SmoothProblem::Pose& pose : problem.poses) {
     newest = std::max(newest, pose.keyframe);
     const std::int32_t slot = map.find_keyframe(pose.keyframe);
     if (slot == kNone || pose.fixed) continue;
-    Keyframe& kf = map.keyframe(slot);
-    motion_of_keyframe_[static_cast<std::size_t>(slot)] = {kf.id, pose.T_world_camera * kf.T_world_camera.inverse()};
-    kf.T_world_camera = pose.T_world_camera;
+    motion_.move(map, slot, pose.T_world_camera * map.keyframe(slot).T_world_camera.inverse());
   }
-  // Keyframes made since the problem was cut follow what they were tracked against; ids grow, so parents come first.
-  for (std::int64_t id = newest + 1; id < map.next_keyframe_id(); ++id) {
-    const std::int32_t slot = map.find_keyframe(id);
-    if (slot == kNone) continue;
-    Keyframe& kf = map.keyframe(slot);
-    const std::int32_t parent = map.find_keyframe(kf.parent_id);
-    if (parent == kNone) continue;
-    const Motion& followed = motion_of_keyframe_[static_cast<std::size_t>(parent)];
-    if (followed.id < 0) continue;
-    motion_of_keyframe_[static_cast<std::size_t>(slot)] = {kf.id, followed.T_new_old};
-    kf.T_world_camera = followed.T_new_old * kf.T_world_camera;
-  }
+  motion_.carry_newer(map, newest + 1);
 }
 
 // A sighting that does not fit is forgotten; a landmark without any left goes with it.
@@ -152,18 +139,8 @@ Rigid3 SmoothExchange::apply(Map& map, const SmoothProblem& problem, std::int64_
     point.mark = mark;
   }
   drop_outliers(map, problem);
-  for (std::int32_t s = 0; s < map.keyframe_slots(); ++s) {
-    const Motion& motion = motion_of_keyframe_[static_cast<std::size_t>(s)];
-    if (motion.id < 0) continue;
-    for (const std::int32_t slot : map.keyframe(s).landmark) {
-      if (slot == kNone || map.landmark(slot).mark == mark || map.landmark(slot).anchor != s) continue;
-      map.landmark(slot).p_world = motion.T_new_old * map.landmark(slot).p_world;
-      map.landmark(slot).mark = mark;
-    }
-  }
-  const std::int32_t follow = map.find_keyframe(follow_id);
-  if (follow == kNone || motion_of_keyframe_[static_cast<std::size_t>(follow)].id < 0) return Rigid3{};
-  return motion_of_keyframe_[static_cast<std::size_t>(follow)].T_new_old;
+  motion_.carry_landmarks(map, mark);
+  return motion_.of(map, follow_id);
 }
 
 }  // namespace povslam

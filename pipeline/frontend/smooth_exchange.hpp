@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/frontend/map.hpp"
+#include "pipeline/frontend/map_motion.hpp"
 #include "pipeline/frontend/smooth_problem.hpp"
 #include "pipeline/geometry/camera.hpp"
 
@@ -30,16 +31,11 @@ class SmoothExchange {
   void move_keyframes(Map& map, const SmoothProblem& problem);
   void drop_outliers(Map& map, const SmoothProblem& problem);
 
-  struct Motion {
-    std::int64_t id = -1;  // keyframe
-    Rigid3 T_new_old;      // in the world
-  };
-
   PinholeCamera camera_;
   MapOptions options_;
   std::vector<std::int32_t> pose_of_keyframe_;   // by keyframe slot: index in the problem, or -1
   std::vector<std::int32_t> point_of_landmark_;  // by landmark slot
-  std::vector<Motion> motion_of_keyframe_;       // by keyframe slot
+  MapMotion motion_;
 };
 
 }  // namespace povslam

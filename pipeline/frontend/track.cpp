@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/frontend/map_loader.hpp"
 #include "pipeline/frontend/pose_covariance.hpp"
 
 namespace povslam {
@@ -13,14 +14,16 @@ constexpr int kMinFromLast = 20;         // points of the last frame that must a
 constexpr double kMinFitting = 0.4;      // …and their share of those matched
 constexpr double kMinAgreement = 0.5;    // of thumbnails before the turn they tell is believed
 constexpr int kMinToRelocalise = 40;     // fitting landmarks before a found place is believed
-constexpr int kSearchedPerFrame = 3;     // keyframes tried each frame while lost
 constexpr float kWide = 4.0F;            // widening of the local search around a found place
 constexpr double kUnseenSpeedMps = 1.0;  // how fast the pose may leave us while nothing is seen
 constexpr double kUnseenTurnRadps = 1.0;
+constexpr double kAnywhereM = 100.0, kAnyTurnRad = 3.0;  // doubt of a pose nobody knows
+constexpr int kStartTries = 30;                          // frames
+constexpr double kJumpM = 0.02, kJumpRad = 0.01;         // a correction of the map that is said to be one
 }  // namespace
 
 Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& options,
-                 const Rigid3& T_world_camera_start)
+                 const Rigid3& T_world_camera_start, const MapContent* content)
     : camera_(calibration.camera),
       rolling_shutter_s_(calibration.rolling_shutter_s),
       options_(options),
@@ -36,18 +39,35 @@ Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& op
       keyframer_(camera_, options),
       relocaliser_(camera_, options),
       smooth_exchange_(camera_, options),
+      journal_(camera_, options.map),
+      places_(options.orb.num_features, options.map),
+      loops_(camera_, options),
       frame_(camera_, options),
       last_(camera_, options) {
   observations_.reserve(static_cast<std::size_t>(options.orb.num_features));
   observed_feature_.reserve(static_cast<std::size_t>(options.orb.num_features));
   smooth_exchange_.reserve(problem_);
   result_.T_world_camera = T_world_camera_start;
+  if (content != nullptr && !content->keyframes.empty()) adopt(*content);
+}
+
+// Where on the earlier session's map we are is to be found out.
+void Tracker::adopt(const MapContent& content) {
+  MapLoader::load(content, camera_, map_);
+  places_.update(map_, content.meta.vocabulary == places_.vocabulary());
+  journal_.assume_written(map_);
+  result_.map_version = content.meta.map_version;
+  result_.state = TrackState::lost;
+  result_.covariance.topLeftCorner<3, 3>().diagonal().setConstant(kAnywhereM * kAnywhereM);
+  result_.covariance.bottomRightCorner<3, 3>().diagonal().setConstant(kAnyTurnRad * kAnyTurnRad);
+  bad_frames_ = options_.track.frames_to_lost;
+  start_tries_ = options_.map.start == "known" ? kStartTries : 0;
 }
 
 const TrackResult& Tracker::track(const RgbdFrame& input) {
   const TimeNs start = thread_cpu_now();
   result_.keyframe = false;
-  apply_answer();
+  apply_answers();
   std::swap(frame_, last_);
   builder_.build(input, depth_noise_.value(), frame_);
   frame_.index = frame_index_++;
@@ -60,8 +80,8 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     if (start_map()) name_reference();
   } else {
     const bool tracked = track_frame();
-    if (tracked && rolling_shutter_s_ != 0.0 && frame_.index == map_.keyframe(newest_keyframe_).frame_index + 1 &&
-        map_.next_keyframe_id() == 1) {
+    if (tracked && rolling_shutter_s_ != 0.0 && map_.next_keyframe_id() == 1 &&
+        frame_.index == map_.keyframe(newest_keyframe_).frame_index + 1) {
       restart_map();
     }
     posed = thread_cpu_now();
@@ -118,6 +138,7 @@ bool Tracker::track_frame() {
   if (may_follow && track_from_last() && track_local_map(frame_.T_camera_world, 1.0F)) return true;
   if (!relocalise()) return false;
   // No motion led here from the last pose, and trust begins anew.
+  if (result_.state == TrackState::lost) ++result_.map_version;
   bad_frames_ = std::max(bad_frames_, 1);
   good_frames_ = 0;
   result_.state = TrackState::degraded;
@@ -279,27 +300,40 @@ void Tracker::accept(const PoseSolution& solution) {
   result_.covariance = covariance_to_landmarks(solution) + covariance_of_anchors(map_, frame_, result_.T_world_camera);
 }
 
-// The newest place first, then the whole map in turn, a few keyframes a frame.
+// One or two frames lost: at the newest place. Really lost: wherever the map looks like the frame, when no other place
+// does and the next frames say so too; a robot that was carried to the twin of where it stood must not be found there.
 bool Tracker::relocalise() {
   const TrackResult held = result_;
-  if (newest_keyframe_ != kNone && map_.keyframe(newest_keyframe_).alive && found_at(newest_keyframe_)) return true;
-  int tried = 0;
-  for (std::int32_t step = 0; step < map_.keyframe_slots() && tried < kSearchedPerFrame; ++step) {
-    search_cursor_ = (search_cursor_ + 1) % map_.keyframe_slots();
-    if (!map_.keyframe(search_cursor_).alive || search_cursor_ == newest_keyframe_) continue;
-    ++tried;
-    if (found_at(search_cursor_)) return true;
+  motion_.forget();
+  const bool found = result_.state == TrackState::lost ? found_at_start() || found_anywhere() : found_near();
+  if (!found) {
+    result_ = held;
+    return false;
   }
-  result_ = held;
-  return false;
+  agreement_.forget();
+  start_tries_ = 0;
+  return true;
 }
 
-bool Tracker::found_at(std::int32_t keyframe) {
-  motion_.forget();
-  const auto found = relocaliser_.against(map_, keyframe, frame_);
-  if (!found) return false;
+bool Tracker::found_near() {
+  if (newest_keyframe_ == kNone || !map_.keyframe(newest_keyframe_).alive) return false;
+  const auto found = relocaliser_.against(map_, newest_keyframe_, frame_);
+  return found && confirm(found->T_camera_world);
+}
+
+bool Tracker::found_at_start() {
+  return start_tries_ > 0 && --start_tries_ >= 0 && confirm(T_world_camera_start_.inverse());
+}
+
+bool Tracker::found_anywhere() {
+  const Relocaliser::Answer answer = relocaliser_.search(map_, places_.index(), frame_);
+  return agreement_.add(answer, frame_.stamp) && confirm(answer.fit.T_camera_world);
+}
+
+// Whether the map around a supposed pose shows itself in the frame.
+bool Tracker::confirm(const Rigid3& T_camera_world) {
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
-  return track_local_map(found->T_camera_world, kWide) && track_local_map(frame_.T_camera_world, 1.0F) &&
+  return track_local_map(T_camera_world, kWide) && track_local_map(frame_.T_camera_world, 1.0F) &&
          result_.num_landmarks >= kMinToRelocalise;
 }
 
@@ -341,19 +375,29 @@ void Tracker::update_state(bool tracked) {
 
 // Keeps the frame if the map lacks it, and asks for smoothing around it.
 void Tracker::upkeep() {
-  if (!map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
+  if (options_.map.mode == "localise") return name_reference();
+  if (newest_keyframe_ == kNone || !map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
   const bool weak = result_.num_landmarks < 2 * options_.track.min_inliers_ok;
   if (keyframer_.wanted(frame_, map_, newest_keyframe_, result_.num_landmarks, weak)) {
     newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, reference_id_);
     reference_id_ = map_.keyframe(newest_keyframe_).id;
     result_.keyframe = true;
     keyframer_.cull(map_, newest_keyframe_);
+    places_.update(map_);
+    loops_.look(map_, places_.index(), newest_keyframe_, frame_.index);
     std::copy_n(map_.keyframe(newest_keyframe_).landmark.begin(), frame_.size(), frame_.landmark.begin());
-    if (problem_state_ == ProblemState::idle && smooth_exchange_.cut(map_, newest_keyframe_, frame_.index, problem_)) {
-      problem_state_ = ProblemState::offered;
-    }
   }
+  if (problem_state_ == ProblemState::idle) ask_for_smoothing();
   name_reference();
+}
+
+// Where a loop was closed first, then around what was just learned.
+void Tracker::ask_for_smoothing() {
+  const std::int32_t seam = loops_.next_to_smooth(map_);
+  const std::int32_t wanted = seam == kNone && result_.keyframe ? newest_keyframe_ : seam;
+  if (wanted == kNone || !smooth_exchange_.cut(map_, wanted, frame_.index, problem_)) return;
+  problem_state_ = ProblemState::offered;
+  problem_outdated_ = false;
 }
 
 void Tracker::name_reference() {
@@ -373,17 +417,51 @@ void Tracker::give_back(SmoothProblem* problem) {
   problem_state_ = ProblemState::answered;
 }
 
-// The smoothed window enters; the last pose moves along with the keyframe it was tracked against.
-void Tracker::apply_answer() {
-  if (problem_state_ != ProblemState::answered) return;
-  problem_state_ = ProblemState::idle;
-  const Rigid3 T_new_old = smooth_exchange_.apply(map_, problem_, reference_id_);
-  result_.T_world_camera = T_new_old * result_.T_world_camera;
+// What was solved beside tracking enters; the last pose moves along with the keyframe it was tracked against.
+void Tracker::apply_answers() {
+  if (problem_state_ == ProblemState::answered) {
+    problem_state_ = ProblemState::idle;
+    if (!problem_outdated_) move_with_map(smooth_exchange_.apply(map_, problem_, reference_id_));
+  }
+  if (const auto T_new_old = loops_.apply(map_, reference_id_)) {
+    problem_outdated_ = true;
+    move_with_map(*T_new_old);
+  }
+  if (loops_.join_some(map_)) forget_dead_landmarks();
+}
+
+void Tracker::move_with_map(const Rigid3& T_new_old) {
+  const Rigid3 before = result_.T_world_camera;
+  result_.T_world_camera = T_new_old * before;
+  const bool jumped = (result_.T_world_camera.translation - before.translation).norm() > kJumpM ||
+                      rotation_angle_rad(T_new_old) > kJumpRad;
+  if (jumped) ++result_.map_version;
   frame_.T_camera_world = frame_.T_camera_world * T_new_old.inverse();
+  forget_dead_landmarks();
+}
+
+void Tracker::forget_dead_landmarks() {
   for (int i = 0; i < frame_.size(); ++i) {
     std::int32_t& seen = frame_.landmark[static_cast<std::size_t>(i)];
     if (seen != kNone && !map_.landmark(seen).alive) seen = kNone;
   }
+}
+
+MapMeta Tracker::meta() const {
+  MapMeta meta;
+  meta.map_version = result_.map_version;
+  meta.vocabulary = places_.vocabulary();
+  return meta;
+}
+
+MapChange* Tracker::take_change() {
+  if (options_.map.mode == "localise") return nullptr;
+  return journal_.advance(map_, meta(), frame_.stamp);
+}
+
+MapChange* Tracker::collect_change() {
+  if (options_.map.mode == "localise") return nullptr;
+  return journal_.collect(map_, meta());
 }
 
 }  // namespace povslam

@@ -7,7 +7,10 @@
 #include "pipeline/frontend/keyframer.hpp"
 #include "pipeline/frontend/landmark_search.hpp"
 #include "pipeline/frontend/local_map.hpp"
+#include "pipeline/frontend/loop.hpp"
 #include "pipeline/frontend/map.hpp"
+#include "pipeline/frontend/map_journal.hpp"
+#include "pipeline/frontend/map_places.hpp"
 #include "pipeline/frontend/match.hpp"
 #include "pipeline/frontend/motion_model.hpp"
 #include "pipeline/frontend/patch_refiner.hpp"
@@ -27,6 +30,7 @@ struct TrackResult {
   int num_features = 0;
   int num_landmarks = 0;  // matched and fitting
   bool keyframe = false;
+  std::uint32_t map_version = 0;  // grows with every jump of T_world_camera that no motion of the camera explains
   std::int64_t reference_keyframe = -1;
   Rigid3 T_reference_camera;
   TimeNs features_ns = 0, track_ns = 0, keyframe_ns = 0;  // CPU of this thread
@@ -34,16 +38,27 @@ struct TrackResult {
 
 class Tracker {
  public:
-  Tracker(const SensorCalibration& calibration, const FrontendOptions& options, const Rigid3& T_world_camera_start);
+  // content: an earlier session's map, or null.
+  Tracker(const SensorCalibration& calibration, const FrontendOptions& options, const Rigid3& T_world_camera_start,
+          const MapContent* content = nullptr);
 
   const TrackResult& track(const RgbdFrame& input);
 
   SmoothProblem* take_problem();
   void give_back(SmoothProblem* problem);
+  LoopProblem* take_loop() { return loops_.take(); }
+  void give_back(LoopProblem* problem) { loops_.give_back(problem); }
+  const LoopCounts& loops() const { return loops_.counts(); }
+
+  // See Pipeline.
+  MapChange* take_change();
+  MapChange* collect_change();
+  void give_back(MapChange* change) { journal_.give_back(change); }
 
   const Map& map() const { return map_; }
 
  private:
+  void adopt(const MapContent& content);
   bool start_map();
   void restart_map();
   bool track_frame();
@@ -57,12 +72,19 @@ class Tracker {
   void compensate_shutter();
   void accept(const PoseSolution& solution);
   bool relocalise();
-  bool found_at(std::int32_t keyframe);
+  bool found_near();
+  bool found_at_start();
+  bool found_anywhere();
+  bool confirm(const Rigid3& T_camera_world);
   void hold_pose();
   void update_state(bool tracked);
   void upkeep();
   void name_reference();
-  void apply_answer();
+  void apply_answers();
+  void ask_for_smoothing();
+  void move_with_map(const Rigid3& T_new_old);
+  void forget_dead_landmarks();
+  MapMeta meta() const;
 
   PinholeCamera camera_;
   double rolling_shutter_s_;
@@ -80,6 +102,10 @@ class Tracker {
   Keyframer keyframer_;
   Relocaliser relocaliser_;
   SmoothExchange smooth_exchange_;
+  MapJournal journal_;
+  MapPlaces places_;
+  LoopCloser loops_;
+  Agreement agreement_;  // of what frames say while lost
   Frame frame_, last_;
   std::vector<PoseObservation> observations_;
   std::vector<std::int32_t> observed_feature_;  // of each observation
@@ -91,10 +117,11 @@ class Tracker {
   int matches_of_last_ = 0;  // points of the frame before last that the last one showed
   int good_frames_ = 0, bad_frames_ = 0;
   double unseen_s_ = 0.0;  // since the last tracked frame, while none is
-  std::int32_t search_cursor_ = 0;
+  int start_tries_ = 0;    // frames in which the start pose may still be tried on an earlier session's map
 
   SmoothProblem problem_;
   enum class ProblemState { idle, offered, out, answered } problem_state_ = ProblemState::idle;
+  bool problem_outdated_ = false;  // the map was corrected since it was cut
 };
 
 }  // namespace povslam

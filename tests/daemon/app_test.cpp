@@ -225,10 +225,10 @@ TEST(TrackingThread, LooksDeadOnlyWhenItHangsOnAFrame) {
   Pipeline pipeline(bench.config.pipeline, FakeDriver(bench.script).open()->sensors[0], Rigid3{});
   FrameExchange frames(3);
   PoseRing poses(16);
-  ProblemRing asked(8), solved(8);
+  JobRing asked(8), solved(8);
   Counters counters;
   hold_tracking = true;
-  TrackingThread tracking(pipeline, frames, poses, asked, solved, counters,
+  TrackingThread tracking(pipeline, frames, poses, asked, solved, {}, counters,
                           {.frame_taken = [] { hold_tracking.wait(true); }});
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
   EXPECT_TRUE(tracking.alive(kNsPerMs));  // a silent camera

@@ -1,9 +1,11 @@
-// Solves what a tracker or a pipeline asks and gives the answer back some frames later, as replay does.
+// Does what a tracker or a pipeline wants done beside it and gives the answers back some frames later, as replay does.
 #pragma once
 
-#include <utility>
+#include <deque>
+#include <optional>
+#include <variant>
 
-#include "pipeline/backend/smooth.hpp"
+#include "pipeline/backend_job.hpp"
 
 namespace povslam {
 
@@ -14,23 +16,40 @@ class SmoothingBeside {
 
   // After each frame. True: an answer was given back and enters with the next frame.
   bool frame_done() {
-    if (problem_ == nullptr) {
-      problem_ = asker_.take_problem();
-      waited_ = 0;
-      if (problem_ != nullptr) smooth(*problem_, {});
-    } else if (++waited_ >= delay_frames_) {
-      asker_.give_back(std::exchange(problem_, nullptr));
+    ++frame_;
+    bool answered = false;
+    while (!waiting_.empty() && waiting_.front().due <= frame_) {
+      std::visit([this](auto* problem) { asker_.give_back(problem); }, waiting_.front().job);
+      waiting_.pop_front();
       ++answers_;
-      return true;
+      answered = true;
     }
-    return false;
+    while (const auto job = next_job()) {
+      solve(*job, {});
+      waiting_.push_back({*job, frame_ + delay_frames_});
+    }
+    return answered;
   }
   int answers() const { return answers_; }
 
  private:
+  struct Waiting {
+    BackendJob job;
+    int due;
+  };
+  std::optional<BackendJob> next_job() {
+    if constexpr (requires { asker_.take_job(); }) {
+      return asker_.take_job();
+    } else {
+      if (LoopProblem* loop = asker_.take_loop()) return loop;
+      if (SmoothProblem* window = asker_.take_problem()) return window;
+      return std::nullopt;
+    }
+  }
+
   Asker& asker_;
-  int delay_frames_, waited_ = 0, answers_ = 0;
-  SmoothProblem* problem_ = nullptr;
+  int delay_frames_, frame_ = 0, answers_ = 0;
+  std::deque<Waiting> waiting_;
 };
 
 }  // namespace povslam

@@ -88,12 +88,13 @@ class Tracked {
 
   void track(const RgbdFrame& frame) {
     const TimeNs begun = thread_cpu_now();
-    while (const auto problem = solved_.try_pop()) pipeline_->give_back(*problem);
+    while (const auto job = solved_.try_pop()) pipeline_->give_back(*job);
     const PoseEstimate& pose = pipeline_->localise(frame);
     const bool has_pose = pose.state == TrackState::ok || pose.state == TrackState::degraded;
     const StageTimes& times = pose.times;
-    SmoothProblem* problem = pipeline_->take_problem();
-    if (problem != nullptr && !asked_.try_push(std::move(problem))) pipeline_->give_back(problem);
+    while (const auto job = pipeline_->take_job()) {
+      if (!asked_.try_push(BackendJob(*job))) pipeline_->give_back(*job);
+    }
     total_ms_.push_back(static_cast<float>(to_ms(thread_cpu_now() - begun)));
     features_ms_.push_back(times.features_ms);
     track_ms_.push_back(times.track_ms);
@@ -119,11 +120,11 @@ class Tracked {
 
  private:
   void solve() {
-    while (auto problem = asked_.pop()) {
+    while (auto job = asked_.pop()) {
       const TimeNs begun = thread_cpu_now();
-      smooth(**problem, options_.backend.smooth);
+      povslam::solve(*job, options_.backend);
       backend_ms_.push_back(static_cast<float>(to_ms(thread_cpu_now() - begun)));
-      solved_.try_push(std::move(*problem));
+      solved_.try_push(std::move(*job));
     }
   }
 
@@ -132,7 +133,7 @@ class Tracked {
   PipelineOptions options_;
   TimeNs started_;
   std::unique_ptr<Pipeline> pipeline_;
-  SpscRing<SmoothProblem*> asked_{8}, solved_{8};
+  SpscRing<BackendJob> asked_{8}, solved_{8};
   std::vector<float> total_ms_, features_ms_, track_ms_, keyframe_ms_, found_;
   std::vector<float> backend_ms_;  // backend thread, until it has ended
   double first_pose_ms_ = 0.0;

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   povslam::add_simulate(app, exit_code);
   povslam::add_evaluate(app, exit_code);
   povslam::add_listen(app, exit_code);
+  povslam::add_map(app, exit_code);
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) throw CLI::RequiredError("A subcommand");

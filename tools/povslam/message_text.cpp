@@ -72,6 +72,12 @@ std::string health_line(const health_t& m) {
   for (const drop_t& drop : m.drops) {
     if (drop.count > 0) text += format(", dropped %lld %s", static_cast<long long>(drop.count), drop.reason.c_str());
   }
+  if (m.map_store != health_t::NO_STORE) {
+    text += format(", map stored %lld times", static_cast<long long>(m.map_commits));
+    if (m.map_commits > 0) text += format(", %.0f s ago in %.0f ms", m.map_commit_age_s, m.map_commit_last_ms);
+  }
+  if (m.map_store == health_t::FAILING) text += ", STORING THE MAP FAILS";
+  if (m.map_store == health_t::BEGAN_EMPTY) text += ", the stored map was damaged";
   if (m.tracking_alive == 0) text += ", tracking hangs";
   return text;
 }

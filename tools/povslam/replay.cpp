@@ -15,7 +15,7 @@ namespace povslam {
 namespace {
 
 struct ReplayArguments {
-  std::string sequence, out, config, camera, frames, start;
+  std::string sequence, out, config, camera, frames, start, map;
   std::vector<std::string> overrides;
   bool realtime = false;
   std::string mode = "static", poses = "estimated";
@@ -39,7 +39,7 @@ DriverOptions driver_options(const ReplayArguments& arguments) {
 Result<ReplaySettings> settings_from(const ReplayArguments& arguments) {
   Result<AppConfig> config = load_config(arguments.config, arguments.overrides);
   if (!config) return config.error();
-  ReplaySettings settings{std::move(*config), std::nullopt};
+  ReplaySettings settings{std::move(*config), std::nullopt, arguments.map};
   if (!arguments.start.empty()) {
     const Result<Rigid3> start = parse_pose(arguments.start);
     if (!start) return Error{"--start " + start.error().message};
@@ -91,6 +91,7 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->add_option(
       "--start", arguments->start,
       "\"x y z qx qy qz qw\": T_world_camera of the first frame; default: level at the origin, along +x");
+  command->add_option("--map", arguments->map, "Map on disk to begin with and to go on writing to; made if missing");
   command->add_flag("--realtime", arguments->realtime, "Pace by the stamps in the daemon's threads; late frames drop");
   command->add_option("--mode", arguments->mode, "static: every feature counts, no reasoning about objects")
       ->check(CLI::IsMember({"static"}));

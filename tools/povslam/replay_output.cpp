@@ -46,6 +46,11 @@ Json metrics_json(const ReplayRecord& record) {
   }
   for (std::size_t i = 0; i < kStageNames.size(); ++i)
     json["stages_ms"][kStageNames[i]] = stage_json(record.stages_ms[i]);
+  json["map"] = {{"keyframes", record.map.keyframes}, {"landmarks", record.map.landmarks}};
+  json["loops"] = {{"suspected", record.loops.suspected},
+                   {"closed", record.loops.closed},
+                   {"joined", record.loops.joined},
+                   {"refused", record.loops.refused}};
   json["wall_s"] = record.wall_s;
   json["cpu_s"] = record.cpu_s;
   json["tracking_cpu_s"] = record.tracking_cpu_s;

@@ -5,7 +5,7 @@
 
 #include "daemon/app.hpp"
 #include "daemon/stop_signal.hpp"
-#include "pipeline/backend/smooth.hpp"
+#include "daemon/store.hpp"
 #include "pipeline/base/log.hpp"
 #include "pipeline/pipeline.hpp"
 #include "tools/povslam/delay_line.hpp"
@@ -38,12 +38,15 @@ class Recorder {
     anchors_.push_back({pose.reference_keyframe, pose.T_reference_camera});
   }
 
-  void add_smooth(double ms) {
-    record_.stages_ms[static_cast<std::size_t>(Stage::smooth)].push_back(static_cast<float>(ms));
+  void add_backend(const BackendJob& job, double ms) {
+    const Stage stage = std::holds_alternative<LoopProblem*>(job) ? Stage::close_loop : Stage::smooth;
+    record_.stages_ms[static_cast<std::size_t>(stage)].push_back(static_cast<float>(ms));
   }
 
   // Corrected poses from where the keyframes are now; a frame whose keyframe is unknown keeps its published pose.
   void correct(const Pipeline& pipeline) {
+    record_.loops = pipeline.loops();
+    record_.map = pipeline.map_size();
     record_.smoothed = record_.published;
     for (std::size_t i = 0; i < anchors_.size(); ++i) {
       const std::optional<Rigid3> T_world_keyframe = pipeline.keyframe_pose(anchors_[i].keyframe);
@@ -74,35 +77,56 @@ class RecordingSink : public Sink {
 // The journey in one thread: answers of background jobs enter a fixed number of frames after they were asked for.
 class SingleThread {
  public:
-  SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body)
-      : smooth_options_(settings.config.pipeline.backend.smooth),
-        pipeline_(settings.config.pipeline, calibration, T_world_body),
+  SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body,
+               OpenedStore* map)
+      : backend_options_(settings.config.pipeline.backend),
+        store_(map == nullptr ? nullptr : &map->store),
+        pipeline_(settings.config.pipeline, calibration, T_world_body, begun_with(map)),
         answers_(settings.config.pipeline.backend.delay_frames) {}
 
   void track(const RgbdFrame& frame, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
     while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
     recorder.add(pipeline_.localise(frame));
-    SmoothProblem* problem = pipeline_.take_problem();
     tracking_cpu_ += thread_cpu_now() - begun;
-    if (problem != nullptr) solve(problem, recorder);
+    while (const auto job = pipeline_.take_job()) run(*job, recorder);
+    if (store_ != nullptr) store(pipeline_.take_change());
     ++frame_;
   }
+
+  void store_rest() {
+    if (store_ != nullptr) store(pipeline_.collect_change());
+  }
+  const std::string& store_failure() const { return store_failure_; }  // empty: none
 
   const Pipeline& pipeline() const { return pipeline_; }
   TimeNs tracking_cpu() const { return tracking_cpu_; }
 
  private:
-  void solve(SmoothProblem* problem, Recorder& recorder) {
+  void run(const BackendJob& job, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
-    smooth(*problem, smooth_options_);
-    recorder.add_smooth(to_ms(thread_cpu_now() - begun));
-    answers_.push(frame_, problem);
+    solve(job, backend_options_);
+    recorder.add_backend(job, to_ms(thread_cpu_now() - begun));
+    answers_.push(frame_, job);
   }
 
-  SmoothOptions smooth_options_;
+  void store(MapChange* change) {
+    if (change == nullptr) return;
+    const Result<CommitReport> done = store_->commit(*change);
+    if (!done && store_failure_.empty()) store_failure_ = done.error().message;
+    if (done && done->rows_left_out > 0) log::warn("{} rows not stored: {}", done->rows_left_out, done->why_left_out);
+    pipeline_.give_back(change);
+  }
+
+  static const MapContent* begun_with(const OpenedStore* map) {
+    return map != nullptr && map->content.meta.next_keyframe > 0 ? &map->content : nullptr;
+  }
+
+  BackendOptions backend_options_;
+  MapStore* store_;
+  std::string store_failure_;
   Pipeline pipeline_;
-  DelayLine<SmoothProblem*> answers_;
+  DelayLine<BackendJob> answers_;
   std::int64_t frame_ = 0;
   TimeNs tracking_cpu_ = 0;
 };
@@ -121,7 +145,7 @@ void feed(Driver& driver, SingleThread& journey, Recorder& recorder, Progress& p
   SensorFrame frame;
   TimeNs feeder_cpu = 0;
   const auto drop = [&record](DropReason reason) { ++record.drops[static_cast<std::size_t>(reason)]; };
-  while (!stop.stopped()) {
+  while (!stop.stopped() && journey.store_failure().empty()) {
     const TimeNs begun = thread_cpu_now();
     const Next next = driver.next(frame);
     feeder_cpu += thread_cpu_now() - begun;
@@ -156,13 +180,21 @@ Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver
   const Rigid3 T_world_body = settings.T_world_camera_start
                                   ? *settings.T_world_camera_start * calibration.T_body_sensor.inverse()
                                   : settings.config.start.rigid();
-  SingleThread journey(settings, calibration, T_world_body);
+  std::optional<OpenedStore> map;
+  if (!settings.map.empty()) {
+    Result<OpenedStore> opened = open_or_quarantine(settings.map);
+    if (!opened) return Error{"--map " + opened.error().message};
+    map.emplace(std::move(*opened));
+  }
+  SingleThread journey(settings, calibration, T_world_body, map ? &*map : nullptr);
   Recorder recorder;
   {
     Progress progress("replay", setup->num_frames.value_or(0));
     feed(driver, journey, recorder, progress, stop);
   }
   driver.close();
+  journey.store_rest();
+  if (!journey.store_failure().empty()) recorder.record().failure = journey.store_failure();
   recorder.correct(journey.pipeline());
   recorder.record().tracking_cpu_s = to_seconds(journey.tracking_cpu());
   clocks.stop(recorder.record());
@@ -180,6 +212,7 @@ Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::un
   options.driver = std::move(driver);
   options.sinks = {&sink};
   options.T_world_camera_start = settings.T_world_camera_start;
+  options.map_store = settings.map;
   options.on_end = [&stop, &ended] {
     ended = true;
     stop.request();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,18 +17,22 @@ namespace povslam {
 struct ReplaySettings {
   AppConfig config;                            // sensors[0] says the mount; the frames come from the driver given
   std::optional<Rigid3> T_world_camera_start;  // else config.start
+  std::filesystem::path map;                   // store to begin with and to go on writing to; empty: none
 };
 
-enum class Stage : std::uint8_t { features, track, keyframe, smooth, total };
-inline constexpr std::array<const char*, 5> kStageNames = {"features", "track", "keyframe", "smooth", "total"};
+enum class Stage : std::uint8_t { features, track, keyframe, smooth, close_loop, total };
+inline constexpr std::array<const char*, 6> kStageNames = {"features", "track",      "keyframe",
+                                                           "smooth",   "close_loop", "total"};
 
 struct ReplayRecord {
   std::size_t frames = 0, tracked = 0, lost = 0;
   std::vector<StampedPose> published;           // as published when the frame was tracked
   std::vector<StampedPose> smoothed;            // the same frames after all later corrections
-  std::array<std::vector<float>, 5> stages_ms;  // by Stage; CPU of the working thread
+  std::array<std::vector<float>, 6> stages_ms;  // by Stage; CPU of the working thread
   std::array<std::int64_t, 6> drops{};          // by DropReason
   double wall_s = 0.0, cpu_s = 0.0, tracking_cpu_s = 0.0, feeder_cpu_s = 0.0;
+  LoopCounts loops;
+  MapSize map;          // at the end
   std::string failure;  // why it ended early; empty: it did not
 };
 

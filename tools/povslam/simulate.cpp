@@ -37,8 +37,7 @@ std::string truth_json(const World& world) {
   nlohmann::json objects = nlohmann::json::array();
   for (const synthetic::Object& object : world.scene().objects) {
     const auto& row = synthetic::class_table()[static_cast<std::size_t>(object.class_id)];
-    const bool never_there = !object.before.present && !object.after.present;
-    if (std::string(row.kind) != "semi_static" || never_there) continue;
+    if (std::string(row.kind) != "semi_static") continue;
     objects.push_back({{"id", object.id},
                        {"class", row.name},
                        {"size", vector_json(object.size_m)},
@@ -166,6 +165,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   key("speed_mps", "Speed of the robot, m/s (0.6)");
   key("noise", "Factor on all sensor noise, 0: perfect images (1)");
   key("max_depth_m", "Depth beyond it reads 0 (8)");
+  key("changes", "false: nothing moves, goes or comes after the first lap (true)");
   key("movers", "People walking about (0)");
   key("start_time_s", "Stamp of the first frame (0)");
   key("frames", "Stop after so many frames (0: all laps)");
@@ -173,8 +173,6 @@ void add_simulate(CLI::App& app, int& exit_code) {
     command->add_flag_function(
         "--" + name, [given, name](std::int64_t) { given->keys[name] = "true"; }, help);
   };
-  command->add_flag_function(
-      "--no-change", [given](std::int64_t) { given->keys["changes"] = "false"; }, "Everything stays where it is");
   flag("blur", "Blur images as the camera moves while it exposes");
   flag("labels", "Write class labels and instances of each pixel, too");
   flag("lidar", "Write scans of a spinning LiDAR, too");

@@ -12,5 +12,6 @@ void add_replay(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);
 void add_listen(CLI::App& app, int& exit_code);
+void add_map(CLI::App& app, int& exit_code);
 
 }  // namespace povslam

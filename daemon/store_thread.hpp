@@ -1,0 +1,56 @@
+// The store thread: commits what became of the map, beside tracking. A commit that fails is tried again for ever with
+// growing pauses; meanwhile the change waits, the pipeline collects what comes after it, and nothing is forgotten.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "daemon/counters.hpp"
+#include "daemon/store.hpp"
+#include "pipeline/base/spsc_ring.hpp"
+
+namespace povslam {
+
+struct StoreThreadOptions {
+  TimeNs first_pause = kNsPerSecond;  // before trying again; doubles up to
+  TimeNs longest_pause = 30 * kNsPerSecond;
+};
+
+class StoreThread {
+ public:
+  // taken: changes to commit; stored: the same once they are on the disk. Counters say how it goes.
+  StoreThread(MapStore store, SpscRing<MapChange*>& taken, SpscRing<MapChange*>& stored, Counters& counters,
+              const StoreThreadOptions& options = {});
+  ~StoreThread();  // as finish()
+
+  StoreThread(const StoreThread&) = delete;
+  StoreThread& operator=(const StoreThread&) = delete;
+
+  // Once nobody pushes to `taken` any more: ends the thread. What it was given is tried once more at most; true: all of
+  // it is on the disk.
+  bool finish();
+  // After finish() was true: what the pipeline still had, on the calling thread.
+  bool commit_rest(const MapChange& rest);
+
+ private:
+  void run(const std::stop_token& stop);
+  bool commit(const MapChange& change);
+  void note(const Result<CommitReport>& done);
+  void pause(const std::stop_token& stop, TimeNs duration);
+
+  MapStore store_;
+  SpscRing<MapChange*>& taken_;
+  SpscRing<MapChange*>& stored_;
+  Counters& counters_;
+  StoreThreadOptions options_;
+  bool failing_ = false;        // the thread's; after finish(): something is not on the disk
+  bool told_left_out_ = false;  // the thread's
+  TimeNs failing_since_ = 0;    // monotonic
+
+  std::mutex pause_mutex_;
+  std::condition_variable_any pause_;
+  std::jthread thread_;  // last: stops before what it uses goes
+};
+
+}  // namespace povslam
