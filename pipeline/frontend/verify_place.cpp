@@ -5,16 +5,9 @@
 #include <bit>
 #include <cmath>
 
-#include "pipeline/frontend/match.hpp"
-
 namespace povslam {
 
 namespace {
-constexpr std::size_t kMaxMatched = 1500;     // landmarks whose looks are compared with all features…
-constexpr std::size_t kMatchedKeyframes = 2;  // …of the first keyframes of the place
-constexpr std::size_t kMaxLandmarks = 4000;   // looked for by projection
-constexpr double kUniqueRatio = 0.85;         // nearest look against the runner-up elsewhere in the image
-constexpr float kElsewherePx = 8.0F;          // a corner is found on several levels: that is no runner-up
 constexpr int kMinPairs = 12;
 constexpr int kGuidedDistance = 75;                           // bits
 constexpr float kFirstRadiusPx = 8.0F, kLastRadiusPx = 4.0F;  // on the predicted level
@@ -27,12 +20,12 @@ constexpr float kNeighbourPx = 10.0F;  // whose depth tells what surface is ther
 constexpr int kMinInliers = 40;
 constexpr double kMinShare = 0.07;          // of the expected…
 constexpr double kMinPossibleShare = 0.05;  // …and of the possible landmarks
-constexpr double kMinStrength = 6.0;        // inliers times share: few inliers must be most of what is expected
+constexpr double kMinStrength = 6.0;        // inliers times that share: few must be most of what is possible
 constexpr double kMaxMissed = 0.4;          // of the cells in which landmarks are expected
 constexpr double kMaxContradicted = 0.5;    // of inliers
 constexpr int kMinCells = 6;
 constexpr double kMinThinnest = 0.03;
-constexpr double kRivalShare = 0.5;  // of the inliers: as good, or nearly
+constexpr double kRivalShare = 0.2;  // of the inliers; where nothing repeats and nothing moved it is 0
 constexpr double kSameM = 0.3, kSameRad = 5.0 * 3.14159265358979 / 180.0;
 constexpr int kColumns = 8, kRows = 6;
 constexpr int kManyInCell = 8;
@@ -44,8 +37,8 @@ bool same_pose(const Rigid3& a, const Rigid3& b) {
 }
 
 bool believable(const PlaceFit& fit) {
-  return fit.num_inliers >= kMinInliers && fit.share() >= kMinShare && fit.num_inliers * fit.share() >= kMinStrength &&
-         fit.num_inliers >= kMinPossibleShare * fit.num_possible &&
+  return fit.num_inliers >= kMinInliers && fit.share() >= kMinShare &&
+         fit.num_inliers * fit.possible_share() >= kMinStrength && fit.possible_share() >= kMinPossibleShare &&
          fit.num_missed_cells <= kMaxMissed * fit.num_expected_cells &&
          fit.num_contradicted <= kMaxContradicted * fit.num_inliers && fit.num_cells >= kMinCells &&
          fit.thinnest >= kMinThinnest && fit.num_rival <= kRivalShare * fit.num_inliers;
@@ -55,20 +48,17 @@ PlaceVerifier::PlaceVerifier(const PinholeCamera& camera, const FrontendOptions&
     : camera_(camera),
       log_scale_(std::log(options.orb.scale_factor)),
       num_levels_(options.orb.num_levels),
-      ransac_(camera, kMaxMatched),
+      looks_(options),
+      ransac_(camera, LookMatcher::kMaxMatched),
       grid_(options.orb.num_features, -0.25F * static_cast<float>(camera.width),
             -0.25F * static_cast<float>(camera.height), 1.25F * static_cast<float>(camera.width),
             1.25F * static_cast<float>(camera.height)) {
   const std::size_t features = static_cast<std::size_t>(options.orb.num_features);
   marked_.resize(static_cast<std::size_t>(options.map.max_landmarks));
-  landmarks_.reserve(kMaxLandmarks);
-  candidates_.reserve(features);
   taken_by_.resize(features);
   taken_distance_.resize(features);
-  doubled_by_.resize(features);
-  doubles_.reserve(features);
-  expected_.reserve(kMaxLandmarks);
-  observations_.reserve(std::max(features, kMaxMatched));
+  expected_.reserve(LookMatcher::kMaxLandmarks);
+  observations_.reserve(std::max(features, LookMatcher::kMaxMatched));
   observed_.reserve(features);
   pairs_.reserve(features);
   rival_pairs_.reserve(features);
@@ -77,81 +67,19 @@ PlaceVerifier::PlaceVerifier(const PinholeCamera& camera, const FrontendOptions&
 std::optional<PlaceFit> PlaceVerifier::verify(const Map& map, std::span<const std::int32_t> place,
                                               const FeatureView& view) {
   pairs_.clear();
-  gather(map, place.first(std::min(place.size(), kMaxPlaceKeyframes)));
-  match_looks(map, view);
-  if (candidates_.size() < static_cast<std::size_t>(kMinPairs)) return std::nullopt;
+  looks_.match(map, place.first(std::min(place.size(), kMaxPlaceKeyframes)), view);
+  if (looks_.pairs().size() < static_cast<std::size_t>(kMinPairs)) return std::nullopt;
   observations_.clear();
-  for (const Pair& pair : candidates_) {
+  for (const Pair& pair : looks_.pairs()) {
     observations_.push_back(observe(map, view, static_cast<std::size_t>(pair.feature), pair.landmark));
   }
   const auto start = ransac_.find(observations_, kMinPairs);
   if (!start) return std::nullopt;
   grid_.build(view.x, view.y);
   PlaceFit fit = search_guided(map, view, *start);
-  fit.num_pairs = static_cast<int>(candidates_.size());
+  fit.num_pairs = static_cast<int>(looks_.pairs().size());
   if (believable(fit)) fit.num_rival = rival_of(map, view, fit);
   return fit;
-}
-
-void PlaceVerifier::gather(const Map& map, std::span<const std::int32_t> place) {
-  ++mark_;
-  landmarks_.clear();
-  num_matched_landmarks_ = 0;
-  for (std::size_t k = 0; k < place.size(); ++k) {
-    for (const std::int32_t slot : map.keyframe(place[k]).landmark) {
-      if (slot == kNone || marked_[static_cast<std::size_t>(slot)] == mark_) continue;
-      if (landmarks_.size() == kMaxLandmarks) return;
-      marked_[static_cast<std::size_t>(slot)] = mark_;
-      landmarks_.push_back(slot);
-      if (k < kMatchedKeyframes && landmarks_.size() <= kMaxMatched) num_matched_landmarks_ = landmarks_.size();
-    }
-  }
-}
-
-void PlaceVerifier::match_looks(const Map& map, const FeatureView& view) {
-  std::fill_n(taken_by_.begin(), view.size(), kNone);
-  std::fill_n(taken_distance_.begin(), view.size(), 257);
-  std::fill_n(doubled_by_.begin(), view.size(), kNone);
-  for (std::size_t l = 0; l < num_matched_landmarks_; ++l) {
-    const Descriptor& look = map.landmark(landmarks_[l]).descriptor;
-    int distance = 257, elsewhere = 257;
-    std::size_t nearest = 0;
-    for (std::size_t f = 0; f < view.size(); ++f) {
-      const int d = hamming_distance(look, view.descriptor[f]);
-      if (d >= elsewhere) continue;
-      const bool same_spot = distance < 257 && std::abs(view.x[f] - view.x[nearest]) < kElsewherePx &&
-                             std::abs(view.y[f] - view.y[nearest]) < kElsewherePx;
-      if (d < distance) {
-        if (!same_spot) elsewhere = distance;
-        distance = d;
-        nearest = f;
-      } else if (!same_spot) {
-        elsewhere = d;
-      }
-    }
-    if (distance > kMaxDistanceFar || distance > kUniqueRatio * elsewhere) continue;
-    take(map, nearest, landmarks_[l], distance);
-  }
-  candidates_.clear();
-  doubles_.clear();
-  for (std::size_t f = 0; f < view.size(); ++f) {
-    if (taken_by_[f] != kNone) candidates_.push_back({static_cast<std::int32_t>(f), taken_by_[f]});
-    if (doubled_by_[f] != kNone) doubles_.push_back({static_cast<std::int32_t>(f), doubled_by_[f]});
-  }
-}
-
-// The feature shows the landmark that it resembles most; one that stands elsewhere and looks the same is remembered.
-void PlaceVerifier::take(const Map& map, std::size_t feature, std::int32_t landmark, int distance) {
-  std::int32_t& holder = taken_by_[feature];
-  const bool closer = distance < taken_distance_[feature];
-  const std::int32_t other = closer ? holder : landmark;
-  if (closer) {
-    holder = landmark;
-    taken_distance_[feature] = distance;
-  }
-  if (other != kNone && (map.landmark(other).p_world - map.landmark(holder).p_world).norm() > kSameM) {
-    doubled_by_[feature] = other;
-  }
 }
 
 PoseObservation PlaceVerifier::observe(const Map& map, const FeatureView& view, std::size_t f,
@@ -189,7 +117,7 @@ void PlaceVerifier::expect(const Map& map, const Rigid3& T_camera_world) {
   expected_.clear();
   const Eigen::Matrix3d R = T_camera_world.matrix3();
   const Eigen::Vector3d p_world_camera = T_camera_world.inverse().translation;
-  for (const std::int32_t slot : landmarks_) {
+  for (const std::int32_t slot : looks_.landmarks()) {
     const Landmark& point = map.landmark(slot);
     const Eigen::Vector3d p = R * point.p_world + T_camera_world.translation;
     if (!(p.z() > kNearestM)) continue;
@@ -320,7 +248,7 @@ void PlaceVerifier::describe_spread(const FeatureView& view, PlaceFit& fit) cons
 // what looks the same elsewhere.
 int PlaceVerifier::rival_of(const Map& map, const FeatureView& view, const PlaceFit& fit) {
   observations_.clear();
-  for (const std::span<const Pair> pairs : {std::span<const Pair>(candidates_), std::span<const Pair>(doubles_)}) {
+  for (const std::span<const Pair> pairs : {looks_.pairs(), looks_.doubles()}) {
     for (const Pair& pair : pairs) {
       const PoseObservation o = observe(map, view, static_cast<std::size_t>(pair.feature), pair.landmark);
       if (!PoseRansac::agrees(camera_, o, fit.T_camera_world * o.p_world, true)) observations_.push_back(o);

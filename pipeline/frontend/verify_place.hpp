@@ -13,6 +13,7 @@
 
 #include "pipeline/frontend/feature_grid.hpp"
 #include "pipeline/frontend/feature_view.hpp"
+#include "pipeline/frontend/look_matcher.hpp"
 #include "pipeline/frontend/map.hpp"
 #include "pipeline/frontend/pose_ransac.hpp"
 
@@ -33,6 +34,7 @@ struct PlaceFit {
   double thinnest = 0.0;       // standard deviation of the inliers along their short axis, in widths of the image
   int num_rival = 0;           // inliers of another pose (see same_pose) at this place, 0: none
   double share() const { return num_expected > 0 ? static_cast<double>(num_inliers) / num_expected : 0.0; }
+  double possible_share() const { return num_possible > 0 ? static_cast<double>(num_inliers) / num_possible : 0.0; }
 };
 
 // Within 0.3 m and 5 degrees.
@@ -49,16 +51,10 @@ class PlaceVerifier {
   // not looked at. Nothing when no pose agrees with enough of the view.
   std::optional<PlaceFit> verify(const Map& map, std::span<const std::int32_t> place, const FeatureView& view);
 
-  struct Pair {
-    std::int32_t feature = -1;   // of the view
-    std::int32_t landmark = -1;  // slot
-  };
+  using Pair = FeatureOfLandmark;
   std::span<const Pair> pairs() const { return pairs_; }  // the inliers of the last fit
 
  private:
-  void gather(const Map& map, std::span<const std::int32_t> place);
-  void match_looks(const Map& map, const FeatureView& view);
-  void take(const Map& map, std::size_t feature, std::int32_t landmark, int distance);
   PlaceFit search_guided(const Map& map, const FeatureView& view, const Rigid3& T_camera_world);
   struct Expected {
     std::int32_t landmark = -1;
@@ -81,16 +77,13 @@ class PlaceVerifier {
   PinholeCamera camera_;
   double log_scale_;
   int num_levels_;
+  LookMatcher looks_;
   PoseRansac ransac_;
   FeatureGrid grid_;  // of the view
   std::int64_t mark_ = 0;
-  std::vector<std::int64_t> marked_;        // by landmark slot
-  std::vector<std::int32_t> landmarks_;     // of the place…
-  std::size_t num_matched_landmarks_ = 0;   // …of which the first are matched by looks
-  std::vector<Pair> candidates_, doubles_;  // by looks alone; of the same features, others that look the same
-  std::vector<std::int32_t> taken_by_;      // by feature: what shows there, and how closely
+  std::vector<std::int64_t> marked_;    // by landmark slot
+  std::vector<std::int32_t> taken_by_;  // by feature: what shows there, and how closely
   std::vector<int> taken_distance_;
-  std::vector<std::int32_t> doubled_by_;  // by feature: what looks the same and stands elsewhere
   std::vector<Expected> expected_;
   std::vector<PoseObservation> observations_;
   std::vector<Pair> observed_;  // of each observation

@@ -1,10 +1,9 @@
-// Whole maps, and places made by hand that deceive.
+// Places made by hand, some of which deceive; alone and in a search.
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "pipeline/frontend/relocalise.hpp"
-#include "pipeline/frontend/track.hpp"
 #include "tests/pipeline/frontend/made_frame.hpp"
 #include "tests/pipeline/frontend/simulated_view.hpp"
 #include "tests/support/alloc_counter.hpp"
@@ -18,12 +17,6 @@ std::vector<std::uint32_t> words_of(std::span<const Descriptor> looks) {
   std::vector<std::uint32_t> words(looks.size());
   Vocabulary::shipped().words(looks, words);
   return words;
-}
-
-void learn_words(const Map& map, PlaceIndex& index) {
-  for (std::int32_t slot = 0; slot < map.keyframe_slots(); ++slot) {
-    if (map.keyframe(slot).alive) index.add(slot, words_of(map.keyframe(slot).descriptor));
-  }
 }
 
 // Points that keyframes see from several places; looks are given, so that two places can have the same.
@@ -76,91 +69,9 @@ const Eigen::Vector3d kHere(0.0, 0.0, 0.0), kThere(20.0, 0.0, 0.0);
 const Rigid3 kBetween = made::looking_along_y({0.1, 0.1, 0.05});
 constexpr std::size_t kPoints = 400;
 
-// A simulated room, tracked for a while.
-struct Toured {
-  explicit Toured(const std::string& scene, std::uint64_t seed, double until_s)
-      : view(options_of(scene, seed)),
-        calibration(view.calibration()),
-        options(small_frontend()),
-        tracker(calibration, options, view.T_world_camera(0.0)),
-        builder(calibration.camera, options),
-        frame(calibration.camera, options),
-        index(Vocabulary::shipped(), options.map.max_keyframes, options.orb.num_features),
-        relocaliser(calibration.camera, options) {
-    for (double t = 0.0; t < until_s; t += view.period_s()) tracker.track(view.drive(t));
-    learn_words(tracker.map(), index);
-  }
-  static synthetic::SyntheticOptions options_of(const std::string& scene, std::uint64_t seed) {
-    synthetic::SyntheticOptions made = small_drive(seed);
-    made.scene = scene;
-    return made;
-  }
-  const Frame& see(const RgbdFrame& image) {
-    builder.build(image, 1.0, frame);
-    return frame;
-  }
-  SimulatedView view;
-  SensorCalibration calibration;
-  FrontendOptions options;
-  Tracker tracker;
-  FrameBuilder builder;
-  Frame frame;
-  PlaceIndex index;
-  Relocaliser relocaliser;
-};
-
-Rigid3 beside(std::mt19937& random) {
-  std::uniform_real_distribution<double> step(-0.3, 0.3), turn(-0.25, 0.25);
-  return {so3_exp({0.0, turn(random), 0.0}), {step(random), 0.3 * step(random), step(random)}};
-}
-
 }  // namespace
 
-TEST(PlaceSearch, FindsViewsBesideTheWay) {
-  for (const char* scene : {"static", "aisle"}) {
-    Toured tour(scene, 3, 14.0);
-    std::mt19937 random(1);
-    int asked = 0, found = 0, first = 0, five = 0;
-    for (double t = 0.5; t < 13.0; t += 0.8, ++asked) {
-      const Rigid3 truth = tour.view.T_world_camera(t) * beside(random);
-      const Frame& frame = tour.see(tour.view.look(truth, t));
-      const auto answer = tour.relocaliser.search(tour.tracker.map(), tour.index, frame);
-      tour.index.query(words_of({frame.features.descriptor.data(), static_cast<std::size_t>(frame.size())}));
-      for (int rank = 1; rank <= 5; ++rank) {
-        const auto likely = tour.index.next();
-        ASSERT_TRUE(likely);
-        const Rigid3 between = tour.tracker.map().keyframe(likely->keyframe).T_world_camera.inverse() * truth;
-        if (between.translation.norm() > 1.2 || rotation_angle_rad(between) > 0.5) continue;
-        first += rank == 1 ? 1 : 0;
-        ++five;
-        break;
-      }
-      if (answer.verdict != Verdict::found) continue;
-      ++found;
-      const Vector6d error = local(truth, answer.fit.T_camera_world.inverse());
-      EXPECT_LT(error.head<3>().norm(), 0.1) << scene << " at " << t << " s: " << answer.fit.num_inliers;
-      EXPECT_LT(error.tail<3>().norm(), 0.03) << scene << " at " << t << " s: " << answer.fit.num_inliers;
-    }
-    EXPECT_GE(found, 0.85 * asked) << scene;
-    EXPECT_GE(first, 0.8 * asked) << scene;
-    EXPECT_GE(five, 0.95 * asked) << scene;
-  }
-}
-
-TEST(PlaceSearch, FindsNothingInOtherRooms) {
-  Toured tour("static", 3, 14.0);
-  for (const std::uint64_t seed : {31, 32, 33}) {
-    SimulatedView other(small_drive(seed));
-    std::mt19937 random(1);
-    for (double t = 0.0; t < 50.0; t += 1.0) {
-      const RgbdFrame& image = other.look(other.T_world_camera(t) * beside(random), t);
-      const auto answer = tour.relocaliser.search(tour.tracker.map(), tour.index, tour.see(image));
-      EXPECT_NE(answer.verdict, Verdict::found) << seed << " at " << t << " s: " << answer.fit.num_inliers;
-    }
-  }
-}
-
-TEST(PlaceSearch, FindsAMadePlaceAndSaysWhichFeaturesShowWhat) {
+TEST(VerifyPlace, FindsAMadePlaceAndSaysWhichFeaturesShowWhat) {
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
@@ -179,7 +90,7 @@ TEST(PlaceSearch, FindsAMadePlaceAndSaysWhichFeaturesShowWhat) {
   }
 }
 
-TEST(PlaceSearch, SeesAKeyframeAsItSeesAFrame) {
+TEST(VerifyPlace, SeesAKeyframeAsItSeesAFrame) {
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
@@ -191,7 +102,7 @@ TEST(PlaceSearch, SeesAKeyframeAsItSeesAFrame) {
   EXPECT_TRUE(same_pose(fit->T_camera_world, made.map.keyframe(1).T_world_camera.inverse()));
 }
 
-TEST(PlaceSearch, StaysInDoubtBetweenTwoPlacesThatLookTheSame) {
+TEST(VerifyPlace, StaysInDoubtBetweenTwoPlacesThatLookTheSame) {
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
@@ -200,7 +111,7 @@ TEST(PlaceSearch, StaysInDoubtBetweenTwoPlacesThatLookTheSame) {
   EXPECT_EQ(made.ask(made.look(points, looks, kBetween).frame).verdict, Verdict::ambiguous);
 }
 
-TEST(PlaceSearch, StaysInDoubtBetweenTwoShelvesWithTheSameThings) {
+TEST(VerifyPlace, StaysInDoubtBetweenTwoShelvesWithTheSameThings) {
   constexpr std::size_t kFew = 250;  // twice that fits into a keyframe
   MadeMap made;
   const auto points = made::cloud(kFew, 1);
@@ -213,7 +124,7 @@ TEST(PlaceSearch, StaysInDoubtBetweenTwoShelvesWithTheSameThings) {
   EXPECT_NE(made.ask(made.look(points, looks, kBetween).frame).verdict, Verdict::found);
 }
 
-TEST(PlaceSearch, TellsSimilarPlacesApartByWhatIsTheirOwn) {
+TEST(VerifyPlace, TellsSimilarPlacesApartByWhatIsTheirOwn) {
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
@@ -228,7 +139,7 @@ TEST(PlaceSearch, TellsSimilarPlacesApartByWhatIsTheirOwn) {
 }
 
 // The same rack stands elsewhere too, where nobody mapped: half of the view is it, the rest is something else.
-TEST(PlaceSearch, MissesWhatShouldBeBesideAKnownThing) {
+TEST(VerifyPlace, MissesWhatShouldBeBesideAKnownThing) {
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
@@ -240,7 +151,7 @@ TEST(PlaceSearch, MissesWhatShouldBeBesideAKnownThing) {
   EXPECT_NE(made.ask(made.look(points, seen, kBetween).frame).verdict, Verdict::found);
 }
 
-TEST(PlaceSearch, IsContradictedBySurfacesThatAreNotThere) {
+TEST(VerifyPlace, IsContradictedBySurfacesThatAreNotThere) {
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
@@ -258,7 +169,7 @@ TEST(PlaceSearch, IsContradictedBySurfacesThatAreNotThere) {
   EXPECT_LT(after->num_inliers, 0.75 * before->num_inliers);
 }
 
-TEST(PlaceSearch, NeverTakesNoiseForAPlace) {
+TEST(VerifyPlace, NeverTakesNoiseForAPlace) {
   MadeMap made;
   for (unsigned p = 0; p < 8; ++p) {
     const Eigen::Vector3d place(20.0 * p, 0.0, 0.0);
@@ -270,7 +181,7 @@ TEST(PlaceSearch, NeverTakesNoiseForAPlace) {
   }
 }
 
-TEST(PlaceSearch, BearsViewsThatDetermineNothing) {
+TEST(VerifyPlace, BearsViewsThatDetermineNothing) {
   MadeMap made;
   const auto looks = made::looks(kPoints, 2);
   EXPECT_EQ(made.ask(made::random_frame(made.camera, made.options, 300, 1)).verdict, Verdict::unknown) << "no map";
@@ -284,7 +195,7 @@ TEST(PlaceSearch, BearsViewsThatDetermineNothing) {
   EXPECT_EQ(made.ask(Frame(made.camera, made.options)).verdict, Verdict::unknown) << "no features";
 }
 
-TEST(PlaceSearch, BearsNumbersThatAreNone) {
+TEST(VerifyPlace, BearsNumbersThatAreNone) {
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
@@ -301,7 +212,7 @@ TEST(PlaceSearch, BearsNumbersThatAreNone) {
   }
 }
 
-TEST(PlaceSearch, AllocatesNothingOnceMade) {
+TEST(VerifyPlace, AllocatesNothingOnceMade) {
   if (!counting_works()) GTEST_SKIP();
   MadeMap made;
   const auto points = made::cloud(kPoints, 1);
@@ -312,43 +223,6 @@ TEST(PlaceSearch, AllocatesNothingOnceMade) {
   const auto answer = made.ask(view.frame);
   EXPECT_EQ(stop_counting().allocations, 0U);
   EXPECT_EQ(answer.verdict, Verdict::found);
-}
-
-namespace {
-Relocaliser::Answer found_at(double x) {
-  Relocaliser::Answer answer;
-  answer.verdict = Verdict::found;
-  answer.fit.T_camera_world = made::looking_along_y({x, 0.0, 0.0}).inverse();
-  return answer;
-}
-constexpr TimeNs kFrameNs = kNsPerSecond / 30;
-}  // namespace
-
-TEST(Agreement, BelievesTheThirdAnswerThatAgrees) {
-  Agreement agreement;
-  EXPECT_FALSE(agreement.add(found_at(1.00), 1 * kFrameNs));
-  EXPECT_FALSE(agreement.add(found_at(1.02), 2 * kFrameNs));
-  EXPECT_TRUE(agreement.add(found_at(1.04), 3 * kFrameNs));
-}
-
-TEST(Agreement, ForgivesAFrameWithoutAnAnswerButNotADoubt) {
-  Agreement agreement;
-  Relocaliser::Answer nothing, doubt = found_at(1.0);
-  doubt.verdict = Verdict::ambiguous;
-  agreement.add(found_at(1.0), 1 * kFrameNs);
-  agreement.add(found_at(1.0), 2 * kFrameNs);
-  agreement.add(nothing, 3 * kFrameNs);
-  EXPECT_TRUE(agreement.add(found_at(1.0), 4 * kFrameNs));
-  agreement.forget();
-  agreement.add(found_at(1.0), 5 * kFrameNs);
-  agreement.add(found_at(1.0), 6 * kFrameNs);
-  agreement.add(doubt, 7 * kFrameNs);
-  EXPECT_FALSE(agreement.add(found_at(1.0), 8 * kFrameNs));
-}
-
-TEST(Agreement, BeginsAnewWhenTheAnswersJump) {
-  Agreement agreement;
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(agreement.add(found_at(i % 2), i * kFrameNs));
 }
 
 }  // namespace povslam
