@@ -22,8 +22,9 @@ struct Anchor {
 
 class Recorder {
  public:
-  void add(const PoseEstimate& pose) {
+  void add(const PoseEstimate& pose, const MapSize& map) {
     ++record_.frames;
+    record_.map.push_back({pose.stamp, map});
     const auto stage = [this](Stage s, float ms) { record_.stages_ms[static_cast<std::size_t>(s)].push_back(ms); };
     stage(Stage::features, pose.times.features_ms);
     stage(Stage::track, pose.times.track_ms);
@@ -62,7 +63,7 @@ class RecordingSink : public Sink {
  public:
   RecordingSink(Recorder& recorder, Progress& progress) : recorder_(recorder), progress_(progress) {}
   void on_frame(const TrackedFrame& frame) override {
-    recorder_.add(frame.pose);
+    recorder_.add(frame.pose, frame.map);
     progress_.step();
   }
 
@@ -82,7 +83,8 @@ class SingleThread {
   void track(const RgbdFrame& frame, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
     while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
-    recorder.add(pipeline_.localise(frame));
+    const PoseEstimate& pose = pipeline_.localise(frame);
+    recorder.add(pose, pipeline_.map_size());
     SmoothProblem* problem = pipeline_.take_problem();
     tracking_cpu_ += thread_cpu_now() - begun;
     if (problem != nullptr) solve(problem, recorder);
