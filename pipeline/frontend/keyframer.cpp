@@ -14,6 +14,7 @@ constexpr double kMinFoundRatio = 0.25;
 constexpr double kRedundantShare = 0.9;  // of a keyframe's landmarks, seen by others as well
 constexpr double kSameView = 0.15;       // of the image's width: views that differ less are of one place
 constexpr int kKeyframesPerView = 3;
+constexpr std::int64_t kSettledKeyframes = 20;  // made since: before, a keyframe is the way by which one came here
 
 double mean_inverse_depth(std::span<const float> inverse_depth) {
   double sum = 0.0;
@@ -163,7 +164,7 @@ bool Keyframer::cull_same_view(Map& map, std::int32_t newest) const {
     const Keyframe& kf = map.keyframe(s);
     if (!kf.alive || image_shift(camera_, kf.T_world_camera, now.T_world_camera, inverse_depth) >= kSameView) continue;
     ++count;
-    if (kf.parent_id < 0 || now.id - kf.id < kProbationKeyframes) continue;  // the youngest prove landmarks
+    if (kf.parent_id < 0 || now.id - kf.id < kSettledKeyframes) continue;
     const int own = use_of(map, s).own;
     if (least != kNone && own >= least_own) continue;
     least = s;
