@@ -14,7 +14,7 @@ constexpr double kMinFoundRatio = 0.25;
 constexpr double kRedundantShare = 0.9;  // of a keyframe's landmarks, seen by others as well
 constexpr double kSameView = 0.15;       // of the image's width: views that differ less are of one place
 constexpr int kKeyframesPerView = 3;
-constexpr std::int64_t kSettledKeyframes = 20;  // made since: before, a keyframe is the way by which one came here
+constexpr std::int64_t kSettledKeyframes = 20;  // made since, or as long ago as so many would have taken
 
 double mean_inverse_depth(std::span<const float> inverse_depth) {
   double sum = 0.0;
@@ -43,25 +43,35 @@ bool Keyframer::wanted(const Frame& frame, const Map& map, std::int32_t newest, 
   int with_depth = 0;
   for (int i = 0; i < frame.size(); ++i) with_depth += frame.has_depth(i) ? 1 : 0;
   const bool moved_at_all = moved.translation.norm() > 0.2 * kMinMoveM || rotation_angle_rad(moved) > 0.2 * kMinTurnRad;
-  if (moved_at_all && num_inliers < kKnownShare * with_depth) return true;
+  if (moved_at_all && num_inliers < kKnownShare * with_depth) return !covered(frame, map, last, num_inliers, true);
   if (still || (age < options_.keyframe_max_frames && num_inliers >= kOverlap * most_inliers_)) return false;
-  if (!covered(frame, map, num_inliers)) return true;
+  if (!covered(frame, map, last, num_inliers, false)) return true;
   most_inliers_ = num_inliers;  // that keyframe serves as if it were made here
   return false;
 }
 
 // Whether a keyframe of about this view is as good as a new one: the frame finds as many landmarks as right after it.
-bool Keyframer::covered(const Frame& frame, const Map& map, int num_inliers) const {
+bool Keyframer::covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers,
+                        bool only_settled) const {
   const Rigid3 T_world_camera = frame.T_camera_world.inverse();
-  const double inverse_depth = mean_inverse_depth(std::span(frame.inverse_depth).first(frame.size()));
+  const double inverse_depth =
+      mean_inverse_depth(std::span(frame.inverse_depth).first(static_cast<std::size_t>(frame.size())));
   for (std::int32_t s = 0; s < map.keyframe_slots(); ++s) {
     const Keyframe& kf = map.keyframe(s);
-    if (kf.alive && image_shift(camera_, kf.T_world_camera, T_world_camera, inverse_depth) < kSameView &&
+    if (!kf.alive || (only_settled && !settled(kf, newest.id, frame.index))) continue;
+    if (image_shift(camera_, kf.T_world_camera, T_world_camera, inverse_depth) < kSameView &&
         num_inliers >= kOverlap * landmarks_seen(kf)) {
       return true;
     }
   }
   return false;
+}
+
+// Made so long ago that it is no part of the way by which the camera came here, and its landmarks have proved
+// themselves.
+bool Keyframer::settled(const Keyframe& keyframe, std::int64_t newest_id, std::int64_t now_index) const {
+  return newest_id - keyframe.id >= kSettledKeyframes ||
+         now_index - keyframe.frame_index >= kSettledKeyframes * options_.keyframe_max_frames;
 }
 
 std::int32_t Keyframer::insert(Map& map, const FrameBuilder& images, Frame& frame, const Matrix6d& covariance,
@@ -164,7 +174,7 @@ bool Keyframer::cull_same_view(Map& map, std::int32_t newest) const {
     const Keyframe& kf = map.keyframe(s);
     if (!kf.alive || image_shift(camera_, kf.T_world_camera, now.T_world_camera, inverse_depth) >= kSameView) continue;
     ++count;
-    if (kf.parent_id < 0 || now.id - kf.id < kSettledKeyframes) continue;
+    if (kf.parent_id < 0 || !settled(kf, now.id, now.frame_index)) continue;
     const int own = use_of(map, s).own;
     if (least != kNone && own >= least_own) continue;
     least = s;

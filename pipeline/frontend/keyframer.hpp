@@ -31,7 +31,8 @@ class Keyframer {
   void triangulate_landmarks(Map& map, const FrameBuilder& images, Frame& frame, std::int32_t slot);
   void put_on_probation(const Map& map, std::int32_t landmark);
   void keep_look(Map& map, const FrameBuilder& images, const Frame& frame, int feature, std::int32_t landmark) const;
-  bool covered(const Frame& frame, const Map& map, int num_inliers) const;
+  bool covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers, bool only_settled) const;
+  bool settled(const Keyframe& keyframe, std::int64_t newest_id, std::int64_t now_index) const;
   void cull_landmarks(Map& map, std::int64_t now);
   bool cull_same_view(Map& map, std::int32_t newest) const;
   bool cull_redundant(Map& map, std::int32_t newest) const;

@@ -164,6 +164,21 @@ TEST(Keyframer, KeepsAFrameAfterAWhileUnlessAKeyframeShowsItsView) {
   EXPECT_TRUE(story.wanted(all));
 }
 
+TEST(Keyframer, LearnsNothingOnAVisitThatFindsWhatIsKnown) {
+  Story story;
+  story.keep();
+  const int all = story.map.num_landmarks();
+  for (std::int32_t l = 0; l < all; ++l) {
+    if (l % 3 != 0) story.map.remove_landmark(l);  // of the features of one visit the next finds a third
+  }
+  story.move(0.1);
+  story.frame.index = 20;
+  EXPECT_TRUE(story.wanted(all / 3));  // on the way such a view is hardly known…
+  story.frame.index = 20L * story.options.map.keyframe_max_frames;
+  EXPECT_FALSE(story.wanted(all / 3));  // …later it is as well known as it will be…
+  EXPECT_TRUE(story.wanted(all / 5));   // …unless something is different now
+}
+
 TEST(Keyframer, KeepsNoMoreThanAFewKeyframesOfOneView) {
   Story story;
   story.keep();
