@@ -98,7 +98,7 @@ class DriftedRing {
 
 // Creeps, and turns a little too far.
 inline Vector6d some_drift() {
-  return (Vector6d() << 0.006, 0.003, 0.001, 0.0, 0.0, 0.001).finished();
+  return (Vector6d() << 0.004, 0.001, 0.0, 0.0, 0.0, 0.001).finished();
 }
 
 }  // namespace povslam::made
