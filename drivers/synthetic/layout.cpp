@@ -1,6 +1,7 @@
 #include "drivers/synthetic/layout.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace povslam::synthetic {
 
@@ -47,14 +48,37 @@ bool is_free(const Footprint& place, const std::vector<Object>& objects, const O
   return clearance_m(place, path) >= kPathClearance_m;
 }
 
+std::optional<Placement> find_place(const Object& object, const Zone& zone, bool square,
+                                    const std::vector<Object>& objects, const std::vector<Eigen::Vector2d>& path,
+                                    Random& random) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    const double quarter = zone.x_max - zone.x_min > zone.y_max - zone.y_min ? 0.0 : 0.5 * kPi;
+    const double yaw = quarter + (square ? random.uniform(-0.12, 0.12) : random.uniform(-kPi, kPi));
+    const Placement place{
+        true,
+        {random.uniform(zone.x_min, zone.x_max), random.uniform(zone.y_min, zone.y_max), 0.5 * object.size_m.z()},
+        yaw};
+    if (is_free(footprint(object, place), objects, nullptr, path)) return place;
+  }
+  return std::nullopt;
+}
+
+void put(std::vector<Object>& objects, Object thing, const Zone& zone, bool square,
+         const std::vector<Eigen::Vector2d>& path, Random& random) {
+  const std::optional<Placement> place = find_place(thing, zone, square, objects, path, random);
+  if (!place) return;
+  thing.before = thing.after = *place;
+  objects.push_back(std::move(thing));
+}
+
 void add_movers(std::vector<Object>& objects, const SyntheticOptions& options, const LapPath& path,
-                double room_half_x_m, double room_half_y_m) {
+                const Eigen::AlignedBox2d& floor) {
   Random random(mix(options.seed, 404));
   const std::vector<Eigen::Vector2d> samples = sample_path(path);
   const std::vector<Object> standing = objects;
   for (int attempt = 0, added = 0; attempt < 20000 && added < options.movers; ++attempt) {
-    const Eigen::Vector2d middle(random.uniform(-room_half_x_m, room_half_x_m),
-                                 random.uniform(-room_half_y_m, room_half_y_m));
+    const Eigen::Vector2d middle(random.uniform(floor.min().x(), floor.max().x()),
+                                 random.uniform(floor.min().y(), floor.max().y()));
     const double length = random.uniform(1.0, 4.0), yaw = 0.5 * kPi * random.below(4);
     if (!is_free({middle, {0.5 * length + 0.3, 0.3}, yaw}, standing, nullptr, samples)) continue;
     const SinCos direction = sin_cos(yaw);

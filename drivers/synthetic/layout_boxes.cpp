@@ -2,6 +2,7 @@
 // where the camera sweeps past them, and three in a row between the straights: so some are always near and in view.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "drivers/synthetic/layout.hpp"
 
@@ -117,14 +118,14 @@ double score(const std::vector<Object>& objects, bool after, Watch& watch) {
   return 0.8 * share + 0.2 * count;
 }
 
-struct Layout {
+struct Trial {
   std::vector<Object> objects;
   double score = -1.0;
 };
 
 // The best of some random layouts, then improved by giving single boxes another place in their slot.
-Layout place_well(const LapPath& path, const std::vector<Eigen::Vector2d>& samples, Watch& watch, Random& random) {
-  Layout best;
+Trial place_well(const LapPath& path, const std::vector<Eigen::Vector2d>& samples, Watch& watch, Random& random) {
+  Trial best;
   for (int i = 0; i < kLayouts && best.score < 1.0; ++i) {
     std::vector<Object> objects = place_boxes(path, samples, random);
     if (objects.size() != kBoxes) continue;
@@ -147,18 +148,18 @@ Layout place_well(const LapPath& path, const std::vector<Eigen::Vector2d>& sampl
 
 }  // namespace
 
-std::vector<Object> lay_out_boxes(const SyntheticOptions& options, const RobotMotion& motion, Watch& watch) {
+Layout lay_out_boxes(const SyntheticOptions& options, const RobotMotion& motion, Watch& watch) {
   const std::vector<Eigen::Vector2d> samples = sample_path(motion.path());
   Random random(mix(options.seed, 1000));
-  const Layout start = place_well(motion.path(), samples, watch, random);
-  Layout best;
+  const Trial start = place_well(motion.path(), samples, watch, random);
+  Trial best;
   for (int i = 0; i < kMoveTrials && best.score < 1.0 && !start.objects.empty(); ++i) {
     std::vector<Object> objects = start.objects;
     if (!move_boxes(objects, options.scene, samples, random)) continue;
     const double reached = score(objects, true, watch);
     if (reached > best.score && time_changes(objects, motion, watch)) best = {std::move(objects), reached};
   }
-  return best.objects;
+  return {std::move(best.objects), {{Eigen::Vector2d(-kArena_m, -kArena_m), Eigen::Vector2d(kArena_m, kArena_m)}}};
 }
 
 }  // namespace povslam::synthetic

@@ -53,7 +53,7 @@ void scale_intrinsics(const DriverOptions& given, PinholeCamera& camera) {
 }  // namespace
 
 std::vector<std::string> scene_names() {
-  return {"boxsim", "static", "aisle", "majority", "adversarial"};
+  return {"boxsim", "static", "aisle", "majority", "adversarial", "twins", "rooms", "hall"};
 }
 
 Status validate(const SyntheticOptions& options) {

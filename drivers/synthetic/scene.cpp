@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "drivers/synthetic/change.hpp"
 #include "drivers/synthetic/layout.hpp"
@@ -34,6 +35,14 @@ Placement walking(const Walk& walk, double time_s) {
   const double share = round < 1.0 ? round : 2.0 - round;
   const double yaw = heading(walk.from, walk.to);
   return {true, walk.from + share * (walk.to - walk.from), round < 1.0 ? yaw : yaw + kPi};
+}
+
+Layout lay_out(const SyntheticOptions& options, const RobotMotion& motion) {
+  if (options.scene == "twins") return lay_out_twins(options, motion);
+  if (options.scene == "rooms") return lay_out_rooms(options, motion);
+  if (options.scene == "hall") return lay_out_hall(options, motion);
+  Watch watch(options.camera, motion);
+  return options.scene == "aisle" ? lay_out_aisle(options, motion, watch) : lay_out_boxes(options, motion, watch);
 }
 
 }  // namespace
@@ -74,25 +83,25 @@ Placement Object::at(double time_s) const {
 
 LapPath scene_path(const std::string& scene, std::uint64_t seed) {
   Random random(mix(seed, 303));
-  if (scene == "aisle") return {5.6, 2.0, 3.0};
+  if (scene == "aisle" || scene == "twins" || scene == "rooms") return {5.6, 2.0, 3.0};
+  if (scene == "hall") return {13.4, 4.4, 3.0};
   return {random.uniform(3.55, 3.75), random.uniform(2.1, 2.2), 3.15};
 }
 
 Result<Scene> build_scene(const SyntheticOptions& options, const RobotMotion& motion) {
-  Watch watch(options.camera, motion);
-  const bool aisle = options.scene == "aisle";
-  Scene scene{aisle ? lay_out_aisle(options, motion, watch) : lay_out_boxes(options, motion, watch), motion.path()};
-  if (scene.objects.empty()) {
+  Layout layout = lay_out(options, motion);
+  if (layout.objects.empty()) {
     return Error{
         "synthetic: no layout of scene '" + options.scene +
         "' lets its objects change unseen by this camera; narrow its view (larger fx, fy) or take another seed"};
   }
   if (!options.changes) {
-    for (Object& object : scene.objects) object.after = object.before;
-    std::erase_if(scene.objects, [](const Object& object) { return !object.before.present; });
+    for (Object& object : layout.objects) object.after = object.before;
+    std::erase_if(layout.objects, [](const Object& object) { return !object.before.present; });
   }
-  add_movers(scene.objects, options, motion.path(), aisle ? 8.3 : 6.0, aisle ? 5.3 : 6.0);
-  return scene;
+  add_movers(layout.objects, options, motion.path(), layout.floors.front());
+  return Scene{std::move(layout.objects), motion.path(), std::move(layout.floors),
+               options.scene == "twins" ? kTwinPitch_m : 0.0};
 }
 
 }  // namespace povslam::synthetic

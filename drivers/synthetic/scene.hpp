@@ -1,7 +1,7 @@
 // What stands in the simulated world, before and after its change. World: z up, the floor is z = 0, metres.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -49,6 +49,7 @@ struct Object {
   ClassId class_id = ClassId::box;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   std::vector<Part> parts;
+  std::uint16_t print = 0;  // id of an earlier object of the same shape whose pictures it carries too; 0: its own
   Placement before, after;
   double switch_time_s = 0.0;  // since the start of the drive; before holds earlier, after from then on
   std::optional<Walk> walk;    // of people; then before and after mean nothing
@@ -60,6 +61,8 @@ struct Object {
 struct Scene {
   std::vector<Object> objects;
   LapPath path;
+  std::vector<Eigen::AlignedBox2d> floors;  // world, where one may stand if nothing is there; the lap's room first
+  double twin_pitch_m = 0.0;                // from one place to the next that looks the same, along x; 0: none do
 };
 
 // The scene of the options, its change planned and timed so that no place is in view while it changes. Error: the

@@ -36,9 +36,19 @@ Result<World> World::create(const SyntheticOptions& options) {
   return World(options, std::move(motion), std::move(*scene));
 }
 
+// Ids are one more than indices.
+void World::share_pictures(const Object& object) {
+  const auto first = static_cast<std::size_t>(first_surface_[object.print - 1U]);
+  for (std::size_t i = 0; i < object.parts.size() * kFacesPerPart; ++i) texture_of_.push_back(texture_of_[first + i]);
+}
+
 void World::paint() {
   for (const Object& object : scene_.objects) {
     first_surface_.push_back(static_cast<int>(texture_of_.size()));
+    if (object.print != 0) {
+      share_pictures(object);
+      continue;
+    }
     for (std::size_t p = 0; p < object.parts.size(); ++p) {
       const Part& part = object.parts[p];
       const std::array<FaceShape, kFacesPerPart> faces = faces_of(part);

@@ -35,6 +35,7 @@ class World {
  private:
   World(SyntheticOptions options, RobotMotion motion, Scene scene);
   void paint();
+  void share_pictures(const Object& object);
 
   SyntheticOptions options_;
   RobotMotion motion_;

@@ -31,9 +31,13 @@ void create_world(benchmark::State& state, const char* scene) {
 
 BENCHMARK_CAPTURE(render_scene, boxsim, "boxsim", false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(render_scene, aisle, "aisle", false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(render_scene, twins, "twins", false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(render_scene, rooms, "rooms", false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(render_scene, hall, "hall", false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(render_scene, boxsim_blur, "boxsim", true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(create_world, boxsim, "boxsim")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(create_world, aisle, "aisle")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(create_world, hall, "hall")->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -23,7 +23,7 @@ int grey(const ImageU8& image, int x, int y) {
 }  // namespace
 
 TEST(Renderer, PerfectDepthIsWhereSlabTestsFindTheBoxes) {
-  for (const char* name : {"boxsim", "aisle"}) {
+  for (const char* name : {"boxsim", "aisle", "twins", "rooms", "hall"}) {
     SyntheticOptions options = small_options(name, 3);
     options.noise = 0.0;
     options.max_depth_m = 30.0;
@@ -80,6 +80,29 @@ TEST(Renderer, TrackersAlwaysHaveSomethingToSee) {
       }
     }
   }
+}
+
+// Before one bay and before the next the camera sees the same; what it sees differs where the bays end.
+TEST(Renderer, TwinsLookTheSameFromWithinAndDifferAtTheirEnds) {
+  SyntheticOptions options = small_options("twins", 2);
+  options.noise = 0.0;
+  const World world = make_world(options);
+  Renderer renderer(world);
+  const auto differing = [&](double x, double yaw_rad) {
+    const Rigid3 turn{Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())), {x, -2.375, 0.0}};
+    const Rigid3 next{turn.rotation, turn.translation + Eigen::Vector3d(world.scene().twin_pitch_m, 0.0, 0.0)};
+    RgbdFrame a, b;
+    renderer.render(turn * RobotMotion::T_body_camera(), 0.0, a);
+    renderer.render(next * RobotMotion::T_body_camera(), 0.0, b);
+    int pixels = 0;
+    for (std::size_t p = 0; p < a.depth.size(); ++p) {
+      const bool same_color = std::equal(a.color.data() + 3 * p, a.color.data() + 3 * p + 3, b.color.data() + 3 * p);
+      pixels += !same_color || a.depth.data()[p] != b.depth.data()[p];
+    }
+    return pixels;
+  };
+  for (const double x : {-3.75, -3.5, -1.25, -1.0, 1.0, 1.25}) EXPECT_LE(differing(x, -0.5 * kPi), 10) << x;  // rounding
+  for (const double yaw_rad : {-0.6, -0.4}) EXPECT_GT(differing(-1.25, yaw_rad), 160 * 120 / 50) << yaw_rad;
 }
 
 // Colour, depth, pose and texture belong together: a point keeps its brightness from frame to frame.

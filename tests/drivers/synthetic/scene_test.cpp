@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "drivers/synthetic/faces.hpp"
 #include "drivers/synthetic/ground.hpp"
+#include "drivers/synthetic/layout.hpp"
 #include "drivers/synthetic/raster.hpp"
 #include "tests/drivers/synthetic/support.hpp"
 
@@ -92,7 +95,8 @@ TEST_P(SceneNamed, ChangesOnlyWhatTheCameraDoesNotSee) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SceneNamed, testing::Values("boxsim", "aisle", "majority", "adversarial"));
+INSTANTIATE_TEST_SUITE_P(All, SceneNamed,
+                         testing::Values("boxsim", "aisle", "majority", "adversarial", "twins", "rooms", "hall"));
 
 TEST(BoxScenes, HaveSeventeenBoxesOfWhichTheRightNumberMoves) {
   for (const auto& [name, moved] : {std::pair{"boxsim", 6}, {"static", 0}, {"majority", 11}, {"adversarial", 6}}) {
@@ -159,6 +163,62 @@ TEST(Scene, StaysAsItIsWhenNothingIsToChange) {
       EXPECT_EQ(still->objects[i].change(), Change::unchanged);
       EXPECT_EQ(still->objects[i].before.position, at_first[i].before.position);
     }
+  }
+}
+
+TEST(TwinsScene, GivesEachObjectOfABayItsTwinsInTheOthers) {
+  const Laid laid = lay("twins", 2);
+  EXPECT_EQ(laid.scene.twin_pitch_m, kTwinPitch_m);
+  int twins = 0;
+  for (const Object& object : laid.scene.objects) {
+    if (object.print == 0) continue;
+    const Object& first = laid.scene.objects[object.print - 1U];
+    const Eigen::Vector3d shift = object.before.position - first.before.position;
+    EXPECT_EQ(object.size_m, first.size_m);
+    EXPECT_EQ(object.before.yaw, first.before.yaw);
+    EXPECT_EQ(shift.tail<2>(), Eigen::Vector2d::Zero());
+    EXPECT_NEAR(std::remainder(shift.x(), kTwinPitch_m), 0.0, 1e-12);
+    ++twins;
+  }
+  EXPECT_GT(twins, 60);
+}
+
+// Seen from a dense set of places on the lap, by rays over and beside everything in between.
+TEST(RoomsScene, HidesTheSecondRoomFromTheLap) {
+  const Laid laid = lay("rooms", 1);
+  ASSERT_EQ(laid.scene.floors.size(), 2U);
+  const auto in_second = [&laid](const Object& object) {
+    return object.class_id != ClassId::wall && laid.scene.floors[1].contains(object.before.position.head<2>());
+  };
+  int objects = 0;
+  for (const Object& object : laid.scene.objects) objects += in_second(object);
+  EXPECT_GT(objects, 100);
+  std::vector<ProjectedFace> faces;
+  Raster raster;
+  for (double t = 0.0; t < laid.motion.lap_end_s(1.0); t += 0.3) {
+    const View view(small_options("rooms", 1).camera, laid.motion.T_world_camera(t));
+    find_faces(laid.scene, t, view, faces);
+    raster.cast(view, faces);
+    for (const std::int32_t hit : raster.hit().pixels()) {
+      if (hit < Raster::kFirstFace) continue;
+      const int object = faces[static_cast<std::size_t>(hit - Raster::kFirstFace)].object;
+      ASSERT_FALSE(in_second(laid.scene.objects[static_cast<std::size_t>(object)]))
+          << "object " << object << " at " << t;
+    }
+  }
+}
+
+// From any place on one side no place on the other is in sight, at the height of the camera.
+TEST(HallScene, IsNeverSeenAcross) {
+  const Laid laid = lay("hall", 1);
+  const auto from = [&laid](double s_m) {
+    const LapPath::Pose2 pose = laid.scene.path.at(s_m);
+    return Eigen::Vector3d(pose.x, pose.y, RobotMotion::kCameraHeight_m);
+  };
+  const double length_m = laid.scene.path.length_m();
+  for (double s = 0.0; s < length_m; s += 1.0) {
+    const Eigen::Vector3d here = from(s), across = from(s + 0.5 * length_m);
+    EXPECT_LT(brute_force_range_m(laid.scene, 0.0, here, across - here), 1.0) << "at " << s;
   }
 }
 

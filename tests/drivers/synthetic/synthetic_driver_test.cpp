@@ -28,6 +28,8 @@ TEST(SyntheticDriver, NamesTheKeyItCannotUse) {
   EXPECT_NE(error_of({{"width", "-5"}}).find("'width'"), std::string::npos);
   EXPECT_NE(error_of({{"scene", "moon"}}).find("boxsim"), std::string::npos);
   EXPECT_NE(error_of({{"blur", "yes"}}).find("'blur'"), std::string::npos);
+  EXPECT_NE(error_of({{"changes", "no"}}).find("'changes'"), std::string::npos);
+  EXPECT_EQ(error_of({{"scene", "twins"}, {"changes", "false"}}), "");
   EXPECT_EQ(error_of({{"scene", "aisle"}, {"seed", "7"}, {"blur", "true"}}), "");
 }
 
