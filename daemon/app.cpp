@@ -29,6 +29,14 @@ Rigid3 mount_of(const SensorConfig& config, const SensorCalibration& calibration
 Result<std::unique_ptr<App>> App::start(const AppConfig& config, AppOptions options) {
   EXPECTS(config.sensors.size() == 1 && options.driver != nullptr);
   const SensorConfig& sensor = config.sensors[0];
+  std::optional<OpenedStore> map;
+  if (!options.map_store.empty()) {
+    Result<OpenedStore> opened = open_or_quarantine(options.map_store);
+    if (!opened) return Error{"map.store: " + opened.error().message};
+    map.emplace(std::move(*opened));
+    log::info("{}: {} keyframes, {} landmarks", map->store.file().string(), map->content.keyframes.size(),
+              map->content.landmarks.size());
+  }
   Result<DriverSetup> setup = options.driver->open();
   if (!setup) return Error{sensor.name + ": " + setup.error().message};
   if (setup->sensors.empty() || setup->sensors[0].kind != SensorKind::rgbd || !setup->sensors[0].camera.valid()) {
@@ -38,14 +46,6 @@ Result<std::unique_ptr<App>> App::start(const AppConfig& config, AppOptions opti
   calibration.T_body_sensor = mount_of(sensor, calibration);
   log::info("{}: {}, {} x {} px, {:.1f} Hz", sensor.name, setup->description, calibration.camera.width,
             calibration.camera.height, calibration.fps);
-  std::optional<OpenedStore> map;
-  if (!options.map_store.empty()) {
-    Result<OpenedStore> opened = open_or_quarantine(options.map_store);
-    if (!opened) return Error{"map.store: " + opened.error().message};
-    map.emplace(std::move(*opened));
-    log::info("{}: {} keyframes, {} landmarks", map->store.file().string(), map->content.keyframes.size(),
-              map->content.landmarks.size());
-  }
   return std::unique_ptr<App>(new App(config, std::move(options), std::move(*setup), std::move(map)));
 }
 

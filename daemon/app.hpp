@@ -33,7 +33,7 @@ struct AppOptions {
 
 class App {
  public:
-  // Opens the sensor and the map and starts all threads. Fails with the sensor's message when it cannot be opened, and
+  // Opens the map and the sensor and starts all threads. Fails with the sensor's message when it cannot be opened, and
   // with the store's when it cannot be used; a damaged store is set aside and the map begins empty.
   static Result<std::unique_ptr<App>> start(const AppConfig& config, AppOptions options);
   ~App();

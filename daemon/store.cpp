@@ -26,7 +26,9 @@ struct MapStore::Impl {
   static Result<std::unique_ptr<Impl>> make(const std::filesystem::path& file, StoreMode mode);
   void connect();
   void disconnect();
+  void recover();
   MapContent read();
+  std::optional<std::string> try_read(MapContent& content);
   CommitReport commit(const MapChange& change);
 };
 
@@ -64,6 +66,16 @@ Result<std::unique_ptr<MapStore::Impl>> MapStore::Impl::make(const std::filesyst
   return impl;
 }
 
+// After a failed commit. A disk that was away and came back is not seen through handles from before. And what could not
+// be synced may stand in the log for readers without ever reaching the disk: all of the log is written anew, into the
+// file, before anything builds on it.
+void MapStore::Impl::recover() {
+  connect();
+  if (database->number("PRAGMA wal_checkpoint(TRUNCATE)") != 0) {
+    throw StoreFault{false, file.string() + ": somebody reads it for long; waiting"};
+  }
+}
+
 void MapStore::Impl::disconnect() {
   writer.reset();
   database.reset();
@@ -84,8 +96,7 @@ MapContent MapStore::Impl::read() {
 }
 
 CommitReport MapStore::Impl::commit(const MapChange& change) {
-  // A disk that was away and came back is not seen through handles from before.
-  if (suspect) connect();
+  if (suspect) recover();
   if (database->moved()) {
     throw StoreFault{false, file.string() + ": was removed or renamed while in use; put it back, or restart"};
   }
@@ -114,6 +125,23 @@ Result<MapStore> MapStore::open(const std::filesystem::path& file, StoreMode mod
   });
 }
 
+// Connects and reads. Damage comes back as what is wrong; the file is then as it was found.
+std::optional<std::string> MapStore::Impl::try_read(MapContent& content) {
+  try {
+    connect();
+    content = read();
+    return std::nullopt;
+  } catch (const StoreFault& fault) {
+    if (!fault.damage) throw;
+    if (database) database->fold_log_on_close(false);
+    disconnect();
+    // SQLite may take a block that the disk does not give for a damaged one.
+    expect_readable(file);
+    expect_readable(beside(file, "-wal"));
+    return fault.message;
+  }
+}
+
 Result<OpenedStore> open_or_quarantine(const std::filesystem::path& file) {
   Result<std::unique_ptr<MapStore::Impl>> made = MapStore::Impl::make(file, StoreMode::read_write);
   if (!made) return made.error();
@@ -122,14 +150,10 @@ Result<OpenedStore> open_or_quarantine(const std::filesystem::path& file) {
     MapContent content;
     std::filesystem::path quarantined;
     create_if_missing(impl.file);
-    try {
-      impl.connect();
-      content = impl.read();
-    } catch (const StoreFault& fault) {
-      if (!fault.damage) throw;
-      if (impl.database) impl.database->fold_log_on_close(false);
-      impl.disconnect();
-      quarantined = set_aside(impl.file, fault.message);
+    std::optional<std::string> damage = impl.try_read(content);
+    if (damage) damage = impl.try_read(content);  // a disk may stumble once
+    if (damage) {
+      quarantined = set_aside(impl.file, *damage);
       create_if_missing(impl.file);
       impl.connect();
       content = impl.read();

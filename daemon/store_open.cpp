@@ -1,5 +1,7 @@
 #include "daemon/store_open.hpp"
 
+#include <unistd.h>
+
 #include "daemon/store_lock.hpp"
 #include "daemon/store_schema.hpp"
 
@@ -66,6 +68,8 @@ int prepare(Database& database, StoreMode mode) {
   if (structure != "ok") database.fail_damaged(structure);
   if (mode == StoreMode::read_only) return version;
   if (database.read_only()) {
+    // A damaged header makes SQLite take a file for one of a newer format, which it only reads.
+    if (access(database.file().c_str(), W_OK) == 0) database.fail_damaged("its header is damaged");
     throw StoreFault{false,
                      database.file().string() + ": cannot be written; file and folder must be writable by this user"};
   }

@@ -2,6 +2,10 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
 namespace povslam {
 namespace {
 
@@ -139,6 +143,45 @@ bool Database::moved() const {
 
 bool Database::read_only() const {
   return sqlite3_db_readonly(handle(), "main") == 1;
+}
+
+namespace {
+
+struct RawFile {
+  RawFile(const std::filesystem::path& file, sqlite3_vfs* vfs)
+      : name(sqlite3_create_filename(file.c_str(), "", "", 0, nullptr)),
+        memory(static_cast<std::size_t>(vfs->szOsFile)) {
+    code = vfs->xOpen(vfs, name, get(), SQLITE_OPEN_READONLY | SQLITE_OPEN_MAIN_DB, nullptr);
+  }
+  ~RawFile() {
+    if (get()->pMethods != nullptr) get()->pMethods->xClose(get());
+    sqlite3_free_filename(name);
+  }
+  RawFile(const RawFile&) = delete;
+  RawFile& operator=(const RawFile&) = delete;
+  sqlite3_file* get() { return reinterpret_cast<sqlite3_file*>(memory.data()); }
+
+  sqlite3_filename name;
+  std::vector<std::max_align_t> memory;
+  int code = SQLITE_OK;
+};
+
+}  // namespace
+
+void expect_readable(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::exists(file, none)) return;
+  RawFile raw(file, sqlite3_vfs_find(nullptr));
+  sqlite3_int64 size = 0;
+  int code = raw.code;
+  if (code == SQLITE_OK) code = raw.get()->pMethods->xFileSize(raw.get(), &size);
+  std::vector<char> block(1 << 16);
+  for (sqlite3_int64 at = 0; code == SQLITE_OK && at < size; at += static_cast<sqlite3_int64>(block.size())) {
+    const auto wanted = std::min<sqlite3_int64>(size - at, static_cast<sqlite3_int64>(block.size()));
+    code = raw.get()->pMethods->xRead(raw.get(), block.data(), static_cast<int>(wanted), at);
+  }
+  if (code == SQLITE_OK || code == SQLITE_IOERR_SHORT_READ) return;
+  throw StoreFault{false, file.string() + ": cannot be read (SQLite " + std::to_string(code) + "); " + remedy(code)};
 }
 
 void Database::fold_log_on_close(bool fold) {

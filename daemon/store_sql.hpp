@@ -53,6 +53,10 @@ class Database {
   std::unique_ptr<sqlite3, Close> handle_;
 };
 
+// Reads every byte of a file the way SQLite does. Throws (never as damage) when the disk does not give them: what
+// SQLite says about the content of such a file means nothing.
+void expect_readable(const std::filesystem::path& file);
+
 // Prepared once, run often. Columns and parameters count from 0.
 class Statement {
  public:

@@ -11,7 +11,7 @@ namespace povslam {
 struct CloseLoopOptions {
   int max_iterations = 50;         // of each round
   double max_solve_s = 0.0;        // 0: no limit by time (replay); else a solution not found by then is none
-  double loop_scale = 3.0;         // whitened residual norm beyond which a loop edge is believed less and less
+  double loop_scale = 10.0;        // whitened residual norm beyond which a loop edge is believed less and less
   double max_loop_error_m = 0.10;  // of any loop edge after solving, else the answer is refused…
   double max_loop_error_rad = 0.05;
   double max_strain = 8.0;  // …and so it is when any other edge is bent more than this (whitened norm)

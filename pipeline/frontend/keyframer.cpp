@@ -11,12 +11,24 @@ constexpr double kMinMoveM = 0.05;   // a camera that stands still makes no keyf
 constexpr double kMinTurnRad = 0.05;
 constexpr std::int64_t kProbationKeyframes = 3;
 constexpr double kMinFoundRatio = 0.25;
-constexpr double kRedundantShare = 0.9;  // of a keyframe's landmarks…
-constexpr int kRedundantSightings = 3;   // …seen by this many others at least as closely
+constexpr double kRedundantShare = 0.9;  // of a keyframe's landmarks, seen by others as well
+constexpr double kSameView = 0.15;       // of the image's width: views that differ less are of one place
+constexpr int kKeyframesPerView = 3;
+constexpr std::int64_t kSettledKeyframes = 20;  // made since, or as long ago as so many would have taken
+
+double mean_inverse_depth(std::span<const float> inverse_depth) {
+  double sum = 0.0;
+  int count = 0;
+  for (const float w : inverse_depth) {
+    sum += w;
+    count += w > 0.0F ? 1 : 0;
+  }
+  return count > 0 ? sum / count : 0.0;
+}
 }  // namespace
 
 Keyframer::Keyframer(const PinholeCamera& camera, const FrontendOptions& options)
-    : camera_(camera), options_(options.map), triangulator_(camera, options) {
+    : camera_(camera), options_(options.map), triangulator_(camera, options), landmark_room_(options.orb.num_features) {
   recent_.reserve(static_cast<std::size_t>(options.orb.num_features) * 16);
 }
 
@@ -31,14 +43,42 @@ bool Keyframer::wanted(const Frame& frame, const Map& map, std::int32_t newest, 
   int with_depth = 0;
   for (int i = 0; i < frame.size(); ++i) with_depth += frame.has_depth(i) ? 1 : 0;
   const bool moved_at_all = moved.translation.norm() > 0.2 * kMinMoveM || rotation_angle_rad(moved) > 0.2 * kMinTurnRad;
-  if (moved_at_all && num_inliers < kKnownShare * with_depth) return true;
-  if (still) return false;
-  return age >= options_.keyframe_max_frames || num_inliers < kOverlap * most_inliers_;
+  if (moved_at_all && num_inliers < kKnownShare * with_depth) return !covered(frame, map, last, num_inliers, true);
+  if (still || (age < options_.keyframe_max_frames && num_inliers >= kOverlap * most_inliers_)) return false;
+  if (!covered(frame, map, last, num_inliers, false)) return true;
+  most_inliers_ = num_inliers;  // that keyframe serves as if it were made here
+  return false;
+}
+
+// Whether a keyframe of about this view is as good as a new one: the frame finds as many landmarks as right after it.
+bool Keyframer::covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers,
+                        bool only_settled) const {
+  const Rigid3 T_world_camera = frame.T_camera_world.inverse();
+  const double inverse_depth =
+      mean_inverse_depth(std::span(frame.inverse_depth).first(static_cast<std::size_t>(frame.size())));
+  for (std::int32_t s = 0; s < map.keyframe_slots(); ++s) {
+    const Keyframe& kf = map.keyframe(s);
+    if (!kf.alive || (only_settled && !settled(kf, newest.id, frame.index))) continue;
+    if (image_shift(camera_, kf.T_world_camera, T_world_camera, inverse_depth) < kSameView &&
+        num_inliers >= kOverlap * landmarks_seen(kf)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Made so long ago that it is no part of the way by which the camera came here, and its landmarks have proved
+// themselves.
+bool Keyframer::settled(const Keyframe& keyframe, std::int64_t newest_id, std::int64_t now_index) const {
+  return newest_id - keyframe.id >= kSettledKeyframes ||
+         now_index - keyframe.frame_index >= kSettledKeyframes * options_.keyframe_max_frames;
 }
 
 std::int32_t Keyframer::insert(Map& map, const FrameBuilder& images, Frame& frame, const Matrix6d& covariance,
                                std::int64_t parent_id) {
   most_inliers_ = 0;
+  keyframe_room_.make(map, options_.max_keyframes);
+  landmark_room_.make(map, options_.max_landmarks, frame.size());
   const std::int32_t slot = map.insert_keyframe(frame, frame.T_camera_world.inverse(), covariance, parent_id);
   for (int i = 0; i < frame.size(); ++i) {
     std::int32_t& seen = frame.landmark[static_cast<std::size_t>(i)];
@@ -101,7 +141,12 @@ void Keyframer::keep_look(Map& map, const FrameBuilder& images, const Frame& fra
 }
 
 void Keyframer::cull(Map& map, std::int32_t newest) {
-  const std::int64_t now = map.keyframe(newest).id;
+  cull_landmarks(map, map.keyframe(newest).id);
+  // One keyframe a time is enough: they come one at a time too.
+  if (!cull_same_view(map, newest)) cull_redundant(map, newest);
+}
+
+void Keyframer::cull_landmarks(Map& map, std::int64_t now) {
   std::size_t kept = 0;
   for (const Recent& r : recent_) {
     const Landmark& point = map.landmark(r.slot);
@@ -116,33 +161,41 @@ void Keyframer::cull(Map& map, std::int32_t newest) {
     }
   }
   recent_.resize(kept);
-  // One redundant keyframe a time is enough: they come one at a time too.
-  const Keyframe& kf = map.keyframe(newest);
-  for (int c = 0; c < kf.num_covisible; ++c) {
-    const std::int32_t slot = kf.covisible[static_cast<std::size_t>(c)].keyframe;
-    if (map.keyframe(slot).parent_id < 0 || now - map.keyframe(slot).id < 3 || !redundant(map, slot)) continue;
-    map.remove_keyframe(slot);
-    return;
-  }
 }
 
-bool Keyframer::redundant(const Map& map, std::int32_t slot) const {
-  const Keyframe& kf = map.keyframe(slot);
-  int seen = 0, well_seen_by_others = 0;
-  for (std::size_t f = 0; f < kf.landmark.size(); ++f) {
-    if (kf.landmark[f] == kNone) continue;
-    const Landmark& point = map.landmark(kf.landmark[f]);
-    ++seen;
-    int others = 0;
-    for (int s = 0; s < point.num_sightings && others < kRedundantSightings; ++s) {
-      const LandmarkSighting& sighting = point.sightings[static_cast<std::size_t>(s)];
-      if (sighting.keyframe == slot) continue;
-      if (map.keyframe(sighting.keyframe).level[static_cast<std::size_t>(sighting.feature)] <= kf.level[f] + 1)
-        ++others;
-    }
-    if (others >= kRedundantSightings) ++well_seen_by_others;
+// However often a place is visited, a few keyframes show it: with one too many, the one goes that would be missed
+// least.
+bool Keyframer::cull_same_view(Map& map, std::int32_t newest) const {
+  const Keyframe& now = map.keyframe(newest);
+  const double inverse_depth = mean_inverse_depth(now.inverse_depth);
+  std::int32_t least = kNone;
+  int count = 0, least_own = 0;
+  for (std::int32_t s = 0; s < map.keyframe_slots(); ++s) {
+    const Keyframe& kf = map.keyframe(s);
+    if (!kf.alive || image_shift(camera_, kf.T_world_camera, now.T_world_camera, inverse_depth) >= kSameView) continue;
+    ++count;
+    if (kf.parent_id < 0 || !settled(kf, now.id, now.frame_index)) continue;
+    const int own = use_of(map, s).own;
+    if (least != kNone && own >= least_own) continue;
+    least = s;
+    least_own = own;
   }
-  return seen > 0 && well_seen_by_others > kRedundantShare * seen;
+  if (count <= kKeyframesPerView || least == kNone) return false;
+  map.remove_keyframe(least);
+  return true;
+}
+
+bool Keyframer::cull_redundant(Map& map, std::int32_t newest) const {
+  const Keyframe& now = map.keyframe(newest);
+  for (int c = 0; c < now.num_covisible; ++c) {
+    const std::int32_t slot = now.covisible[static_cast<std::size_t>(c)].keyframe;
+    if (map.keyframe(slot).parent_id < 0 || now.id - map.keyframe(slot).id < kProbationKeyframes) continue;
+    const KeyframeUse use = use_of(map, slot);
+    if (use.seen == 0 || use.own >= (1.0 - kRedundantShare) * use.seen) continue;
+    map.remove_keyframe(slot);
+    return true;
+  }
+  return false;
 }
 
 }  // namespace povslam

@@ -166,12 +166,6 @@ float OrbExtractor::scale(int index) const {
   return static_cast<float>(std::pow(impl_->options.scale_factor, index));
 }
 
-int hamming_distance(const Descriptor& a, const Descriptor& b) {
-  int bits = 0;
-  for (int k = 0; k < 4; ++k) bits += __builtin_popcountll(a[k] ^ b[k]);
-  return bits;
-}
-
 void rgb_to_grey(const std::uint8_t* rgb, std::uint8_t* grey, std::int64_t count) {
   frontend_kernels().rgb_to_grey(rgb, grey, count);
 }

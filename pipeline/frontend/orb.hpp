@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -70,7 +71,11 @@ class OrbExtractor {
   std::unique_ptr<Impl> impl_;
 };
 
-int hamming_distance(const Descriptor& a, const Descriptor& b);  // bits
+inline int hamming_distance(const Descriptor& a, const Descriptor& b) {  // bits
+  int bits = 0;
+  for (std::size_t k = 0; k < 4; ++k) bits += __builtin_popcountll(a[k] ^ b[k]);
+  return bits;
+}
 
 // Colour to grey as ITU-R BT.601 (0.299 R + 0.587 G + 0.114 B), rounded. rgb interleaved, count pixels.
 void rgb_to_grey(const std::uint8_t* rgb, std::uint8_t* grey, std::int64_t count);

@@ -1,6 +1,7 @@
 #include "pipeline/frontend/place_index.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pipeline/base/expects.hpp"
@@ -12,10 +13,15 @@ constexpr float kSaturation = 1.2F;       // BM25's k1: a word seen often counts
 constexpr float kLength = 0.75F;          // BM25's b: a keyframe with many words shares some with everything
 constexpr float kBelievedImages = 30.0F;  // as so many keyframes of its own the map takes what training saw
 
-float saturated(std::uint32_t count) {
-  const float n = static_cast<float>(count);
-  return n * (kSaturation + 1.0F) / (n + kSaturation);
-}
+// How much a word counts by how often it is there.
+constexpr std::array<float, 256> kSaturated = [] {
+  std::array<float, 256> table{};
+  for (std::size_t count = 0; count < table.size(); ++count) {
+    const float n = static_cast<float>(count);
+    table[count] = n * (kSaturation + 1.0F) / (n + kSaturation);
+  }
+  return table;
+}();
 }  // namespace
 
 PlaceIndex::PlaceIndex(const Vocabulary& vocabulary, int max_keyframes, int max_features)
@@ -127,14 +133,15 @@ void PlaceIndex::query(std::span<const std::uint32_t> words) {
   const std::span<const Counted> asked = count_words(words);
   float itself = 0.0F;
   for (const Counted& counted : asked) {
-    const float rare = std::max(0.0F, rarity(counted.word)), once = rare * saturated(counted.count);
-    itself += once * saturated(counted.count);
+    const float asked_for = kSaturated[std::min<std::uint32_t>(counted.count, 255)];
+    const float once = std::max(0.0F, rarity(counted.word)) * asked_for;
+    itself += once * asked_for;
     const List& list = lists_[counted.word];
     std::uint32_t used = list.used;
     for (std::uint32_t block = list.head; block != 0; block = blocks_[block].next, used = kPerBlock) {
       for (std::uint32_t i = 0; i < used; ++i) {
         const std::uint32_t posting = blocks_[block].posting[i];
-        scores_[posting >> 8] += once * saturated(posting & 255U);
+        scores_[posting >> 8] += once * kSaturated[posting & 255U];
       }
     }
   }

@@ -6,7 +6,7 @@
 namespace povslam {
 
 namespace {
-constexpr double kNearlyAsGood = 0.5;  // of the best place's inliers
+constexpr double kNearlyAsGood = 0.3;  // of the best place's inliers
 constexpr int kMinToFind = 15;
 constexpr int kForgiven = 2;  // frames without an answer between two that agree
 constexpr double kMoveM = 0.15, kMoveMps = 2.0;

@@ -1,36 +1,34 @@
 #include "pipeline/frontend/verify_place.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-
-#include "pipeline/frontend/match.hpp"
 
 namespace povslam {
 
 namespace {
-constexpr std::size_t kMaxMatched = 1500;     // landmarks whose looks are compared with all features…
-constexpr std::size_t kMatchedKeyframes = 4;  // …of the first keyframes of the place
-constexpr std::size_t kMaxLandmarks = 4000;   // looked for by projection
-constexpr double kUniqueRatio = 0.85;         // nearest look against the runner-up elsewhere in the image
-constexpr float kElsewherePx = 8.0F;          // a corner is found on several levels: that is no runner-up
 constexpr int kMinPairs = 12;
 constexpr int kGuidedDistance = 75;                           // bits
 constexpr float kFirstRadiusPx = 8.0F, kLastRadiusPx = 4.0F;  // on the predicted level
 constexpr double kFloorSigmaPx = 1.0;                         // the map has errors of its own, on level 0
-constexpr double kMaxViewChangeCos = 0.45;
+constexpr double kMaxViewChangeCos = 0.45;  // from farther aside a landmark may look otherwise: a floor does not
 constexpr double kNearestM = 0.1;
 constexpr float kNeighbourPx = 10.0F;  // whose depth tells what surface is there
 
 // What makes a fit believable.
 constexpr int kMinInliers = 40;
-constexpr double kMinShare = 0.15;
-constexpr double kMaxContradicted = 0.5;  // of inliers
-constexpr int kMinCells = 8;
-constexpr double kMinThinnestPx = 20.0;
-constexpr double kRivalShare = 0.5;  // of the inliers: as good, or nearly
+constexpr double kMinShare = 0.07;          // of the expected…
+constexpr double kMinPossibleShare = 0.05;  // …and of the possible landmarks
+constexpr double kMinStrength = 6.0;        // inliers times that share: few must be most of what is possible
+constexpr double kMaxMissed = 0.4;          // of the cells in which landmarks are expected
+constexpr double kMaxContradicted = 0.5;    // of inliers
+constexpr int kMinCells = 6;
+constexpr double kMinThinnest = 0.03;
+constexpr double kRivalShare = 0.2;  // of the inliers; where nothing repeats and nothing moved it is 0
 constexpr double kSameM = 0.3, kSameRad = 5.0 * 3.14159265358979 / 180.0;
 constexpr int kColumns = 8, kRows = 6;
+constexpr int kManyInCell = 8;
 }  // namespace
 
 bool same_pose(const Rigid3& a, const Rigid3& b) {
@@ -40,26 +38,27 @@ bool same_pose(const Rigid3& a, const Rigid3& b) {
 
 bool believable(const PlaceFit& fit) {
   return fit.num_inliers >= kMinInliers && fit.share() >= kMinShare &&
+         fit.num_inliers * fit.possible_share() >= kMinStrength && fit.possible_share() >= kMinPossibleShare &&
+         fit.num_missed_cells <= kMaxMissed * fit.num_expected_cells &&
          fit.num_contradicted <= kMaxContradicted * fit.num_inliers && fit.num_cells >= kMinCells &&
-         fit.thinnest_px >= kMinThinnestPx && fit.num_rival <= kRivalShare * fit.num_inliers;
+         fit.thinnest >= kMinThinnest && fit.num_rival <= kRivalShare * fit.num_inliers;
 }
 
 PlaceVerifier::PlaceVerifier(const PinholeCamera& camera, const FrontendOptions& options)
     : camera_(camera),
       log_scale_(std::log(options.orb.scale_factor)),
       num_levels_(options.orb.num_levels),
-      ransac_(camera, kMaxMatched),
+      looks_(options),
+      ransac_(camera, LookMatcher::kMaxMatched),
       grid_(options.orb.num_features, -0.25F * static_cast<float>(camera.width),
             -0.25F * static_cast<float>(camera.height), 1.25F * static_cast<float>(camera.width),
             1.25F * static_cast<float>(camera.height)) {
   const std::size_t features = static_cast<std::size_t>(options.orb.num_features);
   marked_.resize(static_cast<std::size_t>(options.map.max_landmarks));
-  landmarks_.reserve(kMaxLandmarks);
-  candidates_.reserve(features);
   taken_by_.resize(features);
   taken_distance_.resize(features);
-  expected_.reserve(kMaxLandmarks);
-  observations_.reserve(features);
+  expected_.reserve(LookMatcher::kMaxLandmarks);
+  observations_.reserve(std::max(features, LookMatcher::kMaxMatched));
   observed_.reserve(features);
   pairs_.reserve(features);
   rival_pairs_.reserve(features);
@@ -68,66 +67,19 @@ PlaceVerifier::PlaceVerifier(const PinholeCamera& camera, const FrontendOptions&
 std::optional<PlaceFit> PlaceVerifier::verify(const Map& map, std::span<const std::int32_t> place,
                                               const FeatureView& view) {
   pairs_.clear();
-  gather(map, place.first(std::min(place.size(), kMaxPlaceKeyframes)));
-  match_looks(map, view);
-  if (candidates_.size() < static_cast<std::size_t>(kMinPairs)) return std::nullopt;
+  looks_.match(map, place.first(std::min(place.size(), kMaxPlaceKeyframes)), view);
+  if (looks_.pairs().size() < static_cast<std::size_t>(kMinPairs)) return std::nullopt;
   observations_.clear();
-  for (const Pair& pair : candidates_) {
+  for (const Pair& pair : looks_.pairs()) {
     observations_.push_back(observe(map, view, static_cast<std::size_t>(pair.feature), pair.landmark));
   }
   const auto start = ransac_.find(observations_, kMinPairs);
   if (!start) return std::nullopt;
   grid_.build(view.x, view.y);
   PlaceFit fit = search_guided(map, view, *start);
-  fit.num_pairs = static_cast<int>(candidates_.size());
+  fit.num_pairs = static_cast<int>(looks_.pairs().size());
   if (believable(fit)) fit.num_rival = rival_of(map, view, fit);
   return fit;
-}
-
-void PlaceVerifier::gather(const Map& map, std::span<const std::int32_t> place) {
-  ++mark_;
-  landmarks_.clear();
-  num_matched_landmarks_ = 0;
-  for (std::size_t k = 0; k < place.size(); ++k) {
-    for (const std::int32_t slot : map.keyframe(place[k]).landmark) {
-      if (slot == kNone || marked_[static_cast<std::size_t>(slot)] == mark_) continue;
-      if (landmarks_.size() == kMaxLandmarks) return;
-      marked_[static_cast<std::size_t>(slot)] = mark_;
-      landmarks_.push_back(slot);
-      if (k < kMatchedKeyframes && landmarks_.size() <= kMaxMatched) num_matched_landmarks_ = landmarks_.size();
-    }
-  }
-}
-
-void PlaceVerifier::match_looks(const Map& map, const FeatureView& view) {
-  std::fill_n(taken_by_.begin(), view.size(), kNone);
-  std::fill_n(taken_distance_.begin(), view.size(), 257);
-  for (std::size_t l = 0; l < num_matched_landmarks_; ++l) {
-    const Descriptor& look = map.landmark(landmarks_[l]).descriptor;
-    int distance = 257, elsewhere = 257;
-    std::size_t nearest = 0;
-    for (std::size_t f = 0; f < view.size(); ++f) {
-      const int d = hamming_distance(look, view.descriptor[f]);
-      if (d >= elsewhere) continue;
-      const bool same_spot = distance < 257 && std::abs(view.x[f] - view.x[nearest]) < kElsewherePx &&
-                             std::abs(view.y[f] - view.y[nearest]) < kElsewherePx;
-      if (d < distance) {
-        if (!same_spot) elsewhere = distance;
-        distance = d;
-        nearest = f;
-      } else if (!same_spot) {
-        elsewhere = d;
-      }
-    }
-    if (distance > kMaxDistanceFar || distance > kUniqueRatio * elsewhere) continue;
-    if (distance >= taken_distance_[nearest]) continue;
-    taken_distance_[nearest] = distance;
-    taken_by_[nearest] = landmarks_[l];
-  }
-  candidates_.clear();
-  for (std::size_t f = 0; f < view.size(); ++f) {
-    if (taken_by_[f] != kNone) candidates_.push_back({static_cast<std::int32_t>(f), taken_by_[f]});
-  }
 }
 
 PoseObservation PlaceVerifier::observe(const Map& map, const FeatureView& view, std::size_t f,
@@ -165,7 +117,7 @@ void PlaceVerifier::expect(const Map& map, const Rigid3& T_camera_world) {
   expected_.clear();
   const Eigen::Matrix3d R = T_camera_world.matrix3();
   const Eigen::Vector3d p_world_camera = T_camera_world.inverse().translation;
-  for (const std::int32_t slot : landmarks_) {
+  for (const std::int32_t slot : looks_.landmarks()) {
     const Landmark& point = map.landmark(slot);
     const Eigen::Vector3d p = R * point.p_world + T_camera_world.translation;
     if (!(p.z() > kNearestM)) continue;
@@ -173,10 +125,11 @@ void PlaceVerifier::expect(const Map& map, const Rigid3& T_camera_world) {
     if (!camera_.contains({u, v})) continue;
     const Eigen::Vector3d toward = p_world_camera - point.p_world;
     const double distance = toward.norm();
-    if (toward.dot(point.toward_camera) < kMaxViewChangeCos * distance) continue;
+    const bool sure = toward.dot(point.toward_camera) >= kMaxViewChangeCos * distance;
     const double level = point.reference_level + std::log(point.reference_distance_m / distance) / log_scale_;
     if (!(level > -1.5 && level < num_levels_ + 0.5)) continue;
-    expected_.push_back({slot, p, static_cast<float>(u), static_cast<float>(v), static_cast<int>(std::lround(level))});
+    expected_.push_back(
+        {slot, p, static_cast<float>(u), static_cast<float>(v), static_cast<int>(std::lround(level)), sure});
   }
 }
 
@@ -219,8 +172,6 @@ bool PlaceVerifier::solve_found(const Map& map, const FeatureView& view, Rigid3&
   return true;
 }
 
-// A landmark counts as found by pixel and depth. Of the others, what the features around tell of the surface there
-// decides: nearer, it is hidden; all farther, its surface is not there.
 void PlaceVerifier::count(const Map& map, const FeatureView& view, PlaceFit& fit) {
   const std::int64_t found = ++mark_;
   for (std::size_t o = 0; o < observations_.size(); ++o) {
@@ -231,24 +182,45 @@ void PlaceVerifier::count(const Map& map, const FeatureView& view, PlaceFit& fit
   }
   fit.num_inliers = static_cast<int>(pairs_.size());
   expect(map, fit.T_camera_world);
+  std::array<int, kColumns * kRows> expected_in{}, found_in{};
   for (const Expected& expected : expected_) {
-    if (marked_[static_cast<std::size_t>(expected.landmark)] == found) {
-      ++fit.num_expected;
-      continue;
-    }
-    int nearer = 0, farther = 0, same = 0;
-    const double inverse = 1.0 / expected.p_camera.z();
-    grid_.for_each_near(expected.u_px, expected.v_px, kNeighbourPx, [&](std::int32_t i) {
-      const std::size_t f = static_cast<std::size_t>(i);
-      if (!(view.inverse_depth[f] > 0.0F)) return;
-      if (std::hypot(view.x[f] - expected.u_px, view.y[f] - expected.v_px) > kNeighbourPx) return;
-      const double clearly = 6.0 * view.sigma_inverse_depth[f] + 0.1 * inverse, off = view.inverse_depth[f] - inverse;
-      ++(off > clearly ? nearer : off < -clearly ? farther : same);
-    });
-    if (same == 0 && nearer > 0) continue;
+    const bool is_found = marked_[static_cast<std::size_t>(expected.landmark)] == found;
+    const Surface surface = is_found ? Surface::there : surface_at(view, expected);
+    if (surface == Surface::hidden) continue;
+    ++fit.num_possible;
+    if (!is_found && !expected.sure) continue;
     ++fit.num_expected;
-    if (same == 0 && farther > 0) ++fit.num_contradicted;
+    const std::size_t cell = cell_of(expected.u_px, expected.v_px);
+    ++expected_in[cell];
+    found_in[cell] += is_found ? 1 : 0;
+    fit.num_contradicted += surface == Surface::seen_through ? 1 : 0;
   }
+  for (std::size_t cell = 0; cell < expected_in.size(); ++cell) {
+    if (expected_in[cell] < kManyInCell) continue;
+    ++fit.num_expected_cells;
+    if (found_in[cell] == 0) ++fit.num_missed_cells;
+  }
+}
+
+// What the depth of the features around tells.
+PlaceVerifier::Surface PlaceVerifier::surface_at(const FeatureView& view, const Expected& expected) const {
+  int nearer = 0, farther = 0, same = 0;
+  const double inverse = 1.0 / expected.p_camera.z();
+  grid_.for_each_near(expected.u_px, expected.v_px, kNeighbourPx, [&](std::int32_t i) {
+    const std::size_t f = static_cast<std::size_t>(i);
+    if (!(view.inverse_depth[f] > 0.0F)) return;
+    if (std::hypot(view.x[f] - expected.u_px, view.y[f] - expected.v_px) > kNeighbourPx) return;
+    const double clearly = 6.0 * view.sigma_inverse_depth[f] + 0.1 * inverse, off = view.inverse_depth[f] - inverse;
+    ++(off > clearly ? nearer : off < -clearly ? farther : same);
+  });
+  if (same > 0 || nearer + farther == 0) return Surface::there;
+  return nearer > 0 ? Surface::hidden : Surface::seen_through;
+}
+
+std::size_t PlaceVerifier::cell_of(float x_px, float y_px) const {
+  const int column = static_cast<int>(x_px * kColumns / static_cast<float>(camera_.width));
+  const int row = static_cast<int>(y_px * kRows / static_cast<float>(camera_.height));
+  return static_cast<std::size_t>(std::clamp(row, 0, kRows - 1) * kColumns + std::clamp(column, 0, kColumns - 1));
 }
 
 void PlaceVerifier::describe_spread(const FeatureView& view, PlaceFit& fit) const {
@@ -260,9 +232,7 @@ void PlaceVerifier::describe_spread(const FeatureView& view, PlaceFit& fit) cons
     const Eigen::Vector2d p(view.x[f], view.y[f]);
     mean += p;
     square += p * p.transpose();
-    const int column = std::clamp(static_cast<int>(p.x() * kColumns / camera_.width), 0, kColumns - 1);
-    const int row = std::clamp(static_cast<int>(p.y() * kRows / camera_.height), 0, kRows - 1);
-    cells |= std::uint64_t{1} << (row * kColumns + column);
+    cells |= std::uint64_t{1} << cell_of(view.x[f], view.y[f]);
   }
   fit.num_cells = std::popcount(cells);
   if (pairs_.empty()) return;
@@ -271,15 +241,18 @@ void PlaceVerifier::describe_spread(const FeatureView& view, PlaceFit& fit) cons
   const Eigen::Matrix2d C = square / n - mean * mean.transpose();
   const double half_trace = 0.5 * C.trace();
   const double root = std::sqrt(std::max(0.0, half_trace * half_trace - C.determinant()));
-  fit.thinnest_px = std::sqrt(std::max(0.0, half_trace - root));
+  fit.thinnest = std::sqrt(std::max(0.0, half_trace - root)) / camera_.width;
 }
 
-// Repeated structure gives looks that fit another pose as well: what is left over without those that fit this one.
+// Repeated structure gives looks that fit another pose as well: what is left over without those that fit this one, and
+// what looks the same elsewhere.
 int PlaceVerifier::rival_of(const Map& map, const FeatureView& view, const PlaceFit& fit) {
   observations_.clear();
-  for (const Pair& pair : candidates_) {
-    const PoseObservation o = observe(map, view, static_cast<std::size_t>(pair.feature), pair.landmark);
-    if (!PoseRansac::agrees(camera_, o, fit.T_camera_world * o.p_world, true)) observations_.push_back(o);
+  for (const std::span<const Pair> pairs : {looks_.pairs(), looks_.doubles()}) {
+    for (const Pair& pair : pairs) {
+      const PoseObservation o = observe(map, view, static_cast<std::size_t>(pair.feature), pair.landmark);
+      if (!PoseRansac::agrees(camera_, o, fit.T_camera_world * o.p_world, true)) observations_.push_back(o);
+    }
   }
   if (observations_.size() < static_cast<std::size_t>(kMinPairs)) return 0;
   const auto other = ransac_.find(observations_, kMinPairs);

@@ -13,6 +13,7 @@
 
 #include "pipeline/frontend/feature_grid.hpp"
 #include "pipeline/frontend/feature_view.hpp"
+#include "pipeline/frontend/look_matcher.hpp"
 #include "pipeline/frontend/map.hpp"
 #include "pipeline/frontend/pose_ransac.hpp"
 
@@ -21,15 +22,19 @@ namespace povslam {
 inline constexpr std::size_t kMaxPlaceKeyframes = 12;
 
 struct PlaceFit {
-  Rigid3 T_camera_world;     // of the view, in the world as this place knows it
-  int num_pairs = 0;         // looks that resemble, before any geometry
-  int num_inliers = 0;       // landmarks found where the pose puts them, in pixels and depth
-  int num_expected = 0;      // that it should have seen, found or not; those hidden by something nearer left out
-  int num_contradicted = 0;  // of these, seen through
-  int num_cells = 0;         // of 8 x 6 over the image that hold inliers
-  double thinnest_px = 0.0;  // standard deviation of the inliers' pixels along their short axis
-  int num_rival = 0;         // inliers of another pose (see same_pose) at this place, 0: none
+  Rigid3 T_camera_world;       // of the view, in the world as this place knows it
+  int num_pairs = 0;           // looks that resemble, before any geometry
+  int num_inliers = 0;         // landmarks found where the pose puts them, in pixels and depth
+  int num_expected = 0;        // that it should have seen, found or not; those hidden by something nearer left out…
+  int num_possible = 0;        // …and with those that it might have, from far aside
+  int num_contradicted = 0;    // of these, seen through
+  int num_cells = 0;           // of 8 x 6 over the image that hold inliers
+  int num_expected_cells = 0;  // that should: several landmarks are expected there…
+  int num_missed_cells = 0;    // …and of these, that hold none
+  double thinnest = 0.0;       // standard deviation of the inliers along their short axis, in widths of the image
+  int num_rival = 0;           // inliers of another pose (see same_pose) at this place, 0: none
   double share() const { return num_expected > 0 ? static_cast<double>(num_inliers) / num_expected : 0.0; }
+  double possible_share() const { return num_possible > 0 ? static_cast<double>(num_inliers) / num_possible : 0.0; }
 };
 
 // Within 0.3 m and 5 degrees.
@@ -46,26 +51,25 @@ class PlaceVerifier {
   // not looked at. Nothing when no pose agrees with enough of the view.
   std::optional<PlaceFit> verify(const Map& map, std::span<const std::int32_t> place, const FeatureView& view);
 
-  struct Pair {
-    std::int32_t feature = -1;   // of the view
-    std::int32_t landmark = -1;  // slot
-  };
+  using Pair = FeatureOfLandmark;
   std::span<const Pair> pairs() const { return pairs_; }  // the inliers of the last fit
 
  private:
-  void gather(const Map& map, std::span<const std::int32_t> place);
-  void match_looks(const Map& map, const FeatureView& view);
   PlaceFit search_guided(const Map& map, const FeatureView& view, const Rigid3& T_camera_world);
   struct Expected {
     std::int32_t landmark = -1;
     Eigen::Vector3d p_camera = Eigen::Vector3d::Zero();
     float u_px = 0.0F, v_px = 0.0F;
     int level = 0;
+    bool sure = true;  // else seen from so far aside that it may look otherwise, or be behind something
   };
   void expect(const Map& map, const Rigid3& T_camera_world);
   void find_expected(const Map& map, const FeatureView& view, float radius_px);
   bool solve_found(const Map& map, const FeatureView& view, Rigid3& T_camera_world);
   void count(const Map& map, const FeatureView& view, PlaceFit& fit);
+  enum class Surface { there, hidden, seen_through };
+  Surface surface_at(const FeatureView& view, const Expected& expected) const;
+  std::size_t cell_of(float x_px, float y_px) const;
   void describe_spread(const FeatureView& view, PlaceFit& fit) const;
   PoseObservation observe(const Map& map, const FeatureView& view, std::size_t feature, std::int32_t landmark) const;
   int rival_of(const Map& map, const FeatureView& view, const PlaceFit& fit);
@@ -73,14 +77,12 @@ class PlaceVerifier {
   PinholeCamera camera_;
   double log_scale_;
   int num_levels_;
+  LookMatcher looks_;
   PoseRansac ransac_;
   FeatureGrid grid_;  // of the view
   std::int64_t mark_ = 0;
-  std::vector<std::int64_t> marked_;       // by landmark slot
-  std::vector<std::int32_t> landmarks_;    // of the place…
-  std::size_t num_matched_landmarks_ = 0;  // …of which the first are matched by looks
-  std::vector<Pair> candidates_;           // by looks alone
-  std::vector<std::int32_t> taken_by_;     // by feature: what shows there, and how closely
+  std::vector<std::int64_t> marked_;    // by landmark slot
+  std::vector<std::int32_t> taken_by_;  // by feature: what shows there, and how closely
   std::vector<int> taken_distance_;
   std::vector<Expected> expected_;
   std::vector<PoseObservation> observations_;

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <functional>
 
 #include "daemon/config_file.hpp"
 #include "tests/support/fake_driver.hpp"
+#include "tests/support/log_text.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace povslam {
 namespace {
@@ -28,6 +31,7 @@ struct Bench {
   std::atomic<bool> ended{false};
   AppConfig config = *parse_config("[[sensor]]\ndriver = \"fake\"\n[daemon]\nhealth_period_s = 0.05\n", "test", {});
   TrackingProbe probe;
+  std::filesystem::path map_store;
 
   Result<std::unique_ptr<App>> start() {
     AppOptions options;
@@ -40,6 +44,7 @@ struct Bench {
     options.sensor.first_pause = 2 * kNsPerMs;
     options.sensor.longest_pause = 10 * kNsPerMs;
     options.probe = probe;
+    options.map_store = map_store;
     return App::start(config, std::move(options));
   }
   std::unique_ptr<App> run_to_end() {
@@ -205,6 +210,47 @@ TEST(App, StartsWhereItIsTold) {
   EXPECT_LT((bench.sink.frames.at(0).pose.T_world_body.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-9);
   const Rigid3 T = bench.sink.frames.at(0).pose.T_world_camera;
   EXPECT_LT(rotation_angle_rad(T.inverse() * level_forward_camera()), 1e-9);
+}
+
+TEST(App, KeepsItsMapWhereItIsTold) {
+  const TempFolder folder;
+  Bench bench;
+  bench.map_store = folder.path() / "map.db";
+  bench.script->frames(10);
+  bench.run_to_end();
+  EXPECT_EQ(bench.sink.reports.back().store.state, StoreState::ok);
+  EXPECT_EQ(overall_state(bench.sink.reports.back()), TrackState::ok);
+  auto store = MapStore::open(bench.map_store, StoreMode::read_write);  // nobody holds it any more
+  ASSERT_TRUE(store) << store.error().message;
+  EXPECT_TRUE(store->load());
+}
+
+TEST(App, BeginsEmptyAndDegradedWhenTheMapIsDamaged) {
+  const TempFolder folder;
+  const LogText log;
+  Bench bench;
+  bench.map_store = folder.path() / "map.db";
+  std::ofstream(bench.map_store) << "no map";
+  bench.script->frames(10);
+  bench.run_to_end();
+  const Health& health = bench.sink.reports.back();
+  EXPECT_EQ(health.store.state, StoreState::began_empty);
+  EXPECT_EQ(health.state, TrackState::ok);
+  EXPECT_EQ(overall_state(health), TrackState::degraded);
+  EXPECT_EQ(bench.sink.frames.size(), 10u);
+  EXPECT_THAT(log.text(), testing::HasSubstr("map store damaged"));
+}
+
+TEST(App, DoesNotStartOnAMapThatAnotherProcessUses) {
+  const TempFolder folder;
+  Bench bench;
+  bench.map_store = folder.path() / "map.db";
+  const auto other = MapStore::open(bench.map_store, StoreMode::read_write);
+  ASSERT_TRUE(other);
+  const auto app = bench.start();
+  ASSERT_FALSE(app);
+  EXPECT_THAT(app.error().message, testing::HasSubstr("map.store: " + bench.map_store.string()));
+  EXPECT_EQ(bench.script->opened.load(), 0) << "the camera is left alone";
 }
 
 TEST(Mount, IsTheConfigurationsElseTheDriversElseLevelAndForward) {

@@ -193,5 +193,14 @@ TEST(Pose, ReadsSevenNumbersAndNothingElse) {
   }
 }
 
+TEST(Config, AutoKeepsTheMapInTheServicesStateFolderAndNowhereWithoutOne) {
+  EXPECT_EQ(store_file({}, "/var/lib/povslam"), "/var/lib/povslam/map.db");
+  EXPECT_EQ(store_file({}, "/var/lib/povslam:/var/lib/other"), "/var/lib/povslam/map.db");
+  EXPECT_EQ(store_file({}, nullptr), "");
+  EXPECT_EQ(store_file({}, ""), "");
+  EXPECT_EQ(store_file({"/data/hall.db"}, "/var/lib/povslam"), "/data/hall.db");
+  EXPECT_EQ(store_file({""}, "/var/lib/povslam"), "");
+}
+
 }  // namespace
 }  // namespace povslam

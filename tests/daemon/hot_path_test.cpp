@@ -9,6 +9,7 @@
 #include "daemon/config_file.hpp"
 #include "drivers/registry.hpp"
 #include "tests/support/alloc_counter.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace povslam {
 namespace {
@@ -64,6 +65,7 @@ TEST(HotPath, NeitherAllocatesNorLocksOnceWarm) {
   ASSERT_TRUE(driver) << driver.error().message;
   KeyframeCounter sink;
   std::atomic<bool> ended{false};
+  const TempFolder folder;
   AppOptions options;
   options.driver = std::move(*driver);
   options.sinks = {&sink};
@@ -72,6 +74,7 @@ TEST(HotPath, NeitherAllocatesNorLocksOnceWarm) {
     ended.notify_all();
   };
   options.probe = {frame_taken, pose_handed_over};
+  options.map_store = folder.path() / "map.db";
   auto app = App::start(*config, std::move(options));
   ASSERT_TRUE(app) << app.error().message;
   ended.wait(false);

@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -130,6 +132,24 @@ TEST_F(Povslamd, StaysAfterARecordingWhenTold) {
   EXPECT_THAT(daemon.output(), HasSubstr("stopping"));
 }
 
+TEST_F(Povslamd, KeepsItsMapInTheServicesStateFolder) {
+  const auto state = folder_.path() / "state";
+  setenv("STATE_DIRECTORY", state.c_str(), 1);
+  std::vector<std::string> arguments = simulated("");
+  for (const char* more : {"--set", "sensor.front.frames=10", "--set", "sensor.front.realtime=false"}) {
+    arguments.emplace_back(more);
+  }
+  Process daemon(arguments);
+  EXPECT_EQ(daemon.exit_code(), 0) << daemon.output();
+  EXPECT_TRUE(std::filesystem::exists(state / "map.db")) << daemon.output();
+  std::filesystem::remove_all(state);
+  for (const char* more : {"--set", "map.store="}) arguments.emplace_back(more);
+  Process without(arguments);
+  EXPECT_EQ(without.exit_code(), 0) << without.output();
+  EXPECT_FALSE(std::filesystem::exists(state));
+  unsetenv("STATE_DIRECTORY");
+}
+
 TEST_F(Povslamd, ExitsWithTwoAndThePlaceOnABadConfiguration) {
   Process bad_value({"--config", write("[orb]\nnum_levels = 99\n")});
   EXPECT_EQ(bad_value.exit_code(), 2);
@@ -148,6 +168,11 @@ TEST_F(Povslamd, ExitsWithOneWhenTheWorldFails) {
   Process no_camera({"--config", write("[lcm]\nurl = \"\"\n[[sensor]]\ndriver = \"replay\"\npath = \"/nowhere\"\n")});
   EXPECT_EQ(no_camera.exit_code(), 1);
   EXPECT_THAT(no_camera.output(), HasSubstr("/nowhere"));
+  std::vector<std::string> arguments = simulated("");
+  for (const char* more : {"--set", "map.store=/proc/nowhere/map.db"}) arguments.emplace_back(more);
+  Process no_map(arguments);
+  EXPECT_EQ(no_map.exit_code(), 1);
+  EXPECT_THAT(no_map.output(), HasSubstr("map.store: /proc/nowhere: the folder of the map cannot be made"));
 }
 
 TEST_F(Povslamd, SaysWhatItIs) {

@@ -109,6 +109,8 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   health.frames_in = 10;
   health.drops[static_cast<std::size_t>(DropReason::gap)] = 3;
   health.latency_ms.p99 = 17.0;
+  health.state = TrackState::ok;
+  health.store = {StoreState::failing, 5, 61.0, 12.0};
   auto publisher = open();
   publisher->on_health(health);
   publisher->on_health(health);
@@ -122,6 +124,10 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   EXPECT_EQ(messages[0].drops[static_cast<std::size_t>(DropReason::gap)].count, 3);
   EXPECT_EQ(messages[0].latency_p99_ms, 17.0);
   EXPECT_EQ(messages[0].version, POVSLAM_VERSION);
+  EXPECT_EQ(messages[0].state, pose_t::DEGRADED);
+  EXPECT_EQ(messages[0].map_store, health_t::FAILING);
+  EXPECT_EQ(messages[0].map_commits, 5);
+  EXPECT_EQ(messages[0].map_commit_age_s, 61.0);
 }
 
 TEST(Publisher, SaysWhatToDoWhenTheUrlCannotBeUsed) {

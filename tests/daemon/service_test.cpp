@@ -84,6 +84,23 @@ TEST(Service, StarvesTheWatchdogOnlyWhenTrackingHangs) {
   EXPECT_THAT(systemd.received(), testing::AllOf(testing::Not(HasSubstr("WATCHDOG=1")), HasSubstr("tracking hangs")));
 }
 
+TEST(Service, SaysWhenTheMapIsNotStoredAndWhenItIsAgain) {
+  NotifySocket systemd;
+  Service service;
+  Health health = healthy();
+  health.store.state = StoreState::ok;
+  service.on_health(health);
+  EXPECT_THAT(systemd.received(), testing::Not(HasSubstr("DEGRADED")));
+  health.store.state = StoreState::failing;
+  service.on_health(health);
+  EXPECT_THAT(systemd.received(), HasSubstr("DEGRADED: the map is not being stored"));
+  service.on_health(health);
+  EXPECT_THAT(systemd.received(), testing::Not(HasSubstr("STATUS")));
+  health.store.state = StoreState::ok;
+  service.on_health(health);
+  EXPECT_THAT(systemd.received(), testing::AllOf(HasSubstr("STATUS"), testing::Not(HasSubstr("DEGRADED"))));
+}
+
 // systemd-analyze on the unit, with ExecStart pointing at a program that exists here.
 class Unit : public testing::Test {
  protected:

@@ -97,7 +97,8 @@ std::string map_info_text(const MapReport& report) {
                  utc(store.committed).c_str(), static_cast<unsigned long long>(store.commits));
   const Eigen::AlignedBox3d extent = extent_of(report.content);
   if (!extent.isEmpty()) {
-    const Eigen::Vector3d low = extent.min(), high = extent.max();
+    const Eigen::Vector3d& low = extent.min();
+    const Eigen::Vector3d& high = extent.max();
     const Span stamps = stamps_of(report.content);
     text += format("cameras   x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m\n", low.x(), high.x(), low.y(), high.y(),
                    low.z(), high.z());

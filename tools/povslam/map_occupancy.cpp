@@ -136,7 +136,7 @@ Status write_occupancy(const std::filesystem::path& base, const OccupancyGrid& g
   std::ofstream pgm(image, std::ios::binary);
   pgm << "P5\n" << grid.width << " " << grid.height << "\n255\n";
   const auto width = static_cast<std::size_t>(grid.width);
-  for (std::size_t row = static_cast<std::size_t>(grid.height); row-- > 0;) {
+  for (auto row = static_cast<std::size_t>(grid.height); row-- > 0;) {
     pgm.write(reinterpret_cast<const char*>(grid.cells.data() + row * width), grid.width);
   }
   pgm.close();

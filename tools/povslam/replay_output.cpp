@@ -33,6 +33,25 @@ Json stage_json(std::vector<float> ms) {
   return {{"count", ms.size()}, {"median", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", ms.back()}};
 }
 
+// The map at the end of each second of the recording, and what a frame of it cost.
+Json map_json(const ReplayRecord& record) {
+  constexpr TimeNs kPeriod = 1'000'000'000;
+  const std::vector<float>& total_ms = record.stages_ms[static_cast<std::size_t>(Stage::total)];
+  Json json{
+      {"t_s", Json::array()}, {"keyframes", Json::array()}, {"landmarks", Json::array()}, {"median_ms", Json::array()}};
+  for (std::size_t first = 0, last = 0; first < record.map.size(); first = last) {
+    while (last < record.map.size() && record.map[last].stamp - record.map[first].stamp < kPeriod) ++last;
+    std::vector<float> ms(total_ms.begin() + static_cast<std::ptrdiff_t>(first),
+                          total_ms.begin() + static_cast<std::ptrdiff_t>(last));
+    std::nth_element(ms.begin(), ms.begin() + std::ssize(ms) / 2, ms.end());
+    json["t_s"].push_back(to_seconds(record.map[last - 1].stamp - record.map[0].stamp));
+    json["keyframes"].push_back(record.map[last - 1].size.keyframes);
+    json["landmarks"].push_back(record.map[last - 1].size.landmarks);
+    json["median_ms"].push_back(ms[ms.size() / 2]);
+  }
+  return json;
+}
+
 double peak_rss_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -46,7 +65,6 @@ Json metrics_json(const ReplayRecord& record) {
   }
   for (std::size_t i = 0; i < kStageNames.size(); ++i)
     json["stages_ms"][kStageNames[i]] = stage_json(record.stages_ms[i]);
-  json["map"] = {{"keyframes", record.map.keyframes}, {"landmarks", record.map.landmarks}};
   json["loops"] = {{"suspected", record.loops.suspected},
                    {"closed", record.loops.closed},
                    {"joined", record.loops.joined},
@@ -56,6 +74,7 @@ Json metrics_json(const ReplayRecord& record) {
   json["tracking_cpu_s"] = record.tracking_cpu_s;
   json["feeder_cpu_s"] = record.feeder_cpu_s;
   json["peak_rss_mb"] = peak_rss_mb();
+  json["map"] = map_json(record);
   return json;
 }
 

@@ -22,8 +22,9 @@ struct Anchor {
 
 class Recorder {
  public:
-  void add(const PoseEstimate& pose) {
+  void add(const PoseEstimate& pose, const MapSize& map) {
     ++record_.frames;
+    record_.map.push_back({pose.stamp, map});
     const auto stage = [this](Stage s, float ms) { record_.stages_ms[static_cast<std::size_t>(s)].push_back(ms); };
     stage(Stage::features, pose.times.features_ms);
     stage(Stage::track, pose.times.track_ms);
@@ -46,7 +47,6 @@ class Recorder {
   // Corrected poses from where the keyframes are now; a frame whose keyframe is unknown keeps its published pose.
   void correct(const Pipeline& pipeline) {
     record_.loops = pipeline.loops();
-    record_.map = pipeline.map_size();
     record_.smoothed = record_.published;
     for (std::size_t i = 0; i < anchors_.size(); ++i) {
       const std::optional<Rigid3> T_world_keyframe = pipeline.keyframe_pose(anchors_[i].keyframe);
@@ -65,7 +65,7 @@ class RecordingSink : public Sink {
  public:
   RecordingSink(Recorder& recorder, Progress& progress) : recorder_(recorder), progress_(progress) {}
   void on_frame(const TrackedFrame& frame) override {
-    recorder_.add(frame.pose);
+    recorder_.add(frame.pose, frame.map);
     progress_.step();
   }
 
@@ -87,7 +87,8 @@ class SingleThread {
   void track(const RgbdFrame& frame, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
     while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
-    recorder.add(pipeline_.localise(frame));
+    const PoseEstimate& pose = pipeline_.localise(frame);
+    recorder.add(pose, pipeline_.map_size());
     tracking_cpu_ += thread_cpu_now() - begun;
     while (const auto job = pipeline_.take_job()) run(*job, recorder);
     if (store_ != nullptr) store(pipeline_.take_change());

@@ -24,15 +24,20 @@ enum class Stage : std::uint8_t { features, track, keyframe, smooth, close_loop,
 inline constexpr std::array<const char*, 6> kStageNames = {"features", "track",      "keyframe",
                                                            "smooth",   "close_loop", "total"};
 
+struct MapAt {
+  TimeNs stamp = 0;
+  MapSize size;
+};
+
 struct ReplayRecord {
   std::size_t frames = 0, tracked = 0, lost = 0;
   std::vector<StampedPose> published;           // as published when the frame was tracked
   std::vector<StampedPose> smoothed;            // the same frames after all later corrections
   std::array<std::vector<float>, 6> stages_ms;  // by Stage; CPU of the working thread
+  std::vector<MapAt> map;                       // after each frame, as many as stages_ms has
   std::array<std::int64_t, 6> drops{};          // by DropReason
   double wall_s = 0.0, cpu_s = 0.0, tracking_cpu_s = 0.0, feeder_cpu_s = 0.0;
   LoopCounts loops;
-  MapSize map;          // at the end
   std::string failure;  // why it ended early; empty: it did not
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/pipeline/frontend/map_invariants.hpp"
 #include "tests/pipeline/frontend/simulated_view.hpp"
 
 namespace povslam {
@@ -111,7 +112,9 @@ TEST(Keyframer, SurvivesThatTheFramesLandmarksAreEvictedToMakeRoomForIt) {
     std::fill_n(story.frame.landmark.begin(), story.frame.size(), kNone);
     story.keep();
   }
-  story.see_again(0, 1);  // seen by nothing but the keyframe that goes
+  for (int f = 0; f < story.frame.size(); ++f) {  // seen by nothing but the keyframe that goes
+    story.frame.landmark[static_cast<std::size_t>(f)] = story.map.keyframe(1).landmark[static_cast<std::size_t>(f)];
+  }
   const std::int32_t slot = story.keep();
   EXPECT_EQ(story.map.num_keyframes(), 4);
   for (int f = 0; f < story.frame.size(); ++f) {
@@ -136,15 +139,78 @@ TEST(Keyframer, KeepsNothingWhileTheCameraStandsStill) {
 TEST(Keyframer, KeepsAFrameWhenTheViewHasChanged) {
   Story story;
   story.keep();
+  const int all = story.map.num_landmarks();
   story.move(0.1);
   story.frame.index = 2;
   EXPECT_FALSE(story.wanted(10));       // too soon…
   EXPECT_TRUE(story.wanted(10, true));  // …unless the pose hangs on few
   story.frame.index = 4;
-  EXPECT_FALSE(story.wanted(500));  // all known
-  EXPECT_TRUE(story.wanted(300));   // a quarter of the landmarks went out of view
+  EXPECT_FALSE(story.wanted(all));          // all known
+  EXPECT_TRUE(story.wanted(all * 7 / 10));  // a quarter of the landmarks went out of view
+}
+
+TEST(Keyframer, KeepsAFrameAfterAWhileUnlessAKeyframeShowsItsView) {
+  Story story;
+  story.keep();
+  const int all = story.map.num_landmarks();
   story.frame.index = story.options.map.keyframe_max_frames;
-  EXPECT_TRUE(story.wanted(500));
+  story.move(0.1);
+  EXPECT_FALSE(story.wanted(all));
+  story.move(1.5);
+  EXPECT_TRUE(story.wanted(all));
+  story.move(-1.5);
+  EXPECT_FALSE(story.wanted(all));
+  story.frame.T_camera_world.rotation = so3_exp({0.0, 0.4, 0.0}) * story.frame.T_camera_world.rotation;
+  EXPECT_TRUE(story.wanted(all));
+}
+
+TEST(Keyframer, LearnsNothingOnAVisitThatFindsWhatIsKnown) {
+  Story story;
+  story.keep();
+  const int all = story.map.num_landmarks();
+  for (std::int32_t l = 0; l < all; ++l) {
+    if (l % 3 != 0) story.map.remove_landmark(l);  // of the features of one visit the next finds a third
+  }
+  story.move(0.1);
+  story.frame.index = 20;
+  EXPECT_TRUE(story.wanted(all / 3));  // on the way such a view is hardly known…
+  story.frame.index = 20L * story.options.map.keyframe_max_frames;
+  EXPECT_FALSE(story.wanted(all / 3));  // …later it is as well known as it will be…
+  EXPECT_TRUE(story.wanted(all / 5));   // …unless something is different now
+}
+
+TEST(Keyframer, KeepsNoMoreThanAFewKeyframesOfOneView) {
+  Story story;
+  story.keep();
+  for (int k = 0; k < 60; ++k) {
+    // Nothing is recognised, as if the light had changed: by what they see no keyframe is redundant.
+    std::fill_n(story.frame.landmark.begin(), story.frame.size(), kNone);
+    story.move(k % 2 == 0 ? 0.02 : -0.02);
+    story.keyframer.cull(story.map, story.keep());
+    EXPECT_LE(story.map.num_keyframes(), 22);  // the first, and the way here
+    ASSERT_EQ(broken_sightings(story.map), "");
+  }
+  EXPECT_NE(story.map.find_keyframe(0), kNone);  // where the world hangs
+  EXPECT_NE(story.map.find_keyframe(60), kNone);
+}
+
+TEST(Keyframer, LearnsOnWhenTheMapIsFull) {
+  FrontendOptions options = small_frontend();
+  options.map.max_keyframes = 6;
+  options.map.max_landmarks = 1000;
+  Story story(options);
+  for (int k = 0; k < 30; ++k) {
+    story.move(2.0);  // another view each time
+    std::fill_n(story.frame.landmark.begin(), story.frame.size(), kNone);
+    const std::int32_t slot = story.keep();
+    int with_depth = 0;
+    for (int f = 0; f < story.frame.size(); ++f) with_depth += story.frame.has_depth(f) ? 1 : 0;
+    EXPECT_EQ(landmarks_seen(story.map.keyframe(slot)), with_depth) << k;
+    EXPECT_LE(story.map.num_keyframes(), 6);
+    EXPECT_LE(story.map.num_landmarks(), 1000);
+    ASSERT_EQ(broken_sightings(story.map), "");
+  }
+  EXPECT_NE(story.map.find_keyframe(0), kNone);  // where the world hangs
 }
 
 TEST(Keyframer, KeepsAViewTheMapHardlyKnowsAfterAnyMotion) {

@@ -123,7 +123,14 @@ TEST(MessageText, NamesEveryStateAndEveryDrop) {
   drop.count = 7;
   health.drops = {drop};
   health.num_drops = 1;
-  EXPECT_THAT(health_line(health), AllOf(HasSubstr("dropped 7 gap"), HasSubstr("tracking hangs")));
+  EXPECT_THAT(health_line(health),
+              AllOf(HasSubstr("dropped 7 gap"), HasSubstr("tracking hangs"), testing::Not(HasSubstr("map stored"))));
+  health.map_store = health_t::FAILING;
+  health.map_commits = 3;
+  health.map_commit_age_s = 42.0;
+  health.map_commit_last_ms = 12.0;
+  EXPECT_THAT(health_line(health),
+              AllOf(HasSubstr("map stored 3 times, 42 s ago in 12 ms"), HasSubstr("STORING THE MAP FAILS")));
 }
 
 }  // namespace

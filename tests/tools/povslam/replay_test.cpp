@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "daemon/store.hpp"
 #include "drivers/replay/trajectory_file.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/povslam/replay_output.hpp"
@@ -115,6 +116,29 @@ TEST_F(Replay, InRealTimeRunsTheDaemonsThreadsOverTheSameFrames) {
   const auto reference = replay("b");
   const auto whole = nlohmann::json::parse(content(out("b") / "metrics.json"));
   EXPECT_EQ(metrics["frames"].get<int>() + dropped, whole["frames"].get<int>());
+}
+
+TEST_F(Replay, GoesOnWithAMapOnDiskAndGivesTheSameBytesFromTheSameMap) {
+  const auto map = [this](const char* name) { return (folder_.path() / name).string(); };
+  ASSERT_EQ(replay("a", {"--map", map("a.db")}).exit_code, 0);
+  const auto store = MapStore::open(map("a.db"), StoreMode::read_only);
+  ASSERT_TRUE(store) << store.error().message;
+  std::filesystem::copy_file(map("a.db"), map("b.db"));
+  ASSERT_EQ(replay("b", {"--map", map("a.db")}).exit_code, 0);
+  ASSERT_EQ(replay("c", {"--map", map("b.db")}).exit_code, 0);
+  EXPECT_EQ(content(out("b") / "trajectory.txt"), content(out("c") / "trajectory.txt"));
+  ASSERT_EQ(replay("d", {"--map", map("a.db"), "--realtime"}).exit_code, 0);
+}
+
+TEST_F(Replay, DoesNotStartOnAMapInUse) {
+  const std::string map = (folder_.path() / "map.db").string();
+  const auto other = MapStore::open(map, StoreMode::read_write);
+  ASSERT_TRUE(other);
+  for (const auto& more : {std::vector<std::string>{"--map", map}, {"--map", map, "--realtime"}}) {
+    const Outcome outcome = replay("a", more);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.errors, testing::HasSubstr("another povslam process uses this map"));
+  }
 }
 
 TEST_F(Replay, NeverWritesIntoOrAroundASequence) {
