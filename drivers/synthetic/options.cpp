@@ -108,6 +108,7 @@ Result<SyntheticOptions> parse_options(const DriverOptions& given) {
       {"fps", number(options.fps)},
       {"speed_mps", number(options.speed_mps)},
       {"noise", number(options.noise)},
+      {"noise_seed", number(options.noise_seed)},
       {"blur", flag(options.blur)},
       {"max_depth_m", number(options.max_depth_m)},
       {"labels", flag(options.labels)},

@@ -17,16 +17,17 @@ struct SyntheticOptions {
   PinholeCamera camera{640, 480, 525.0, 525.0, 319.5, 239.5, {}};  // no distortion
   double fps = 30.0;
   double speed_mps = 0.6;
-  double noise = 1.0;         // factor on every noise of the sensors; 0: perfect images, no dropout
-  bool blur = false;          // motion blur of an 8 ms exposure
-  double max_depth_m = 8.0;   // depth beyond it reads 0
-  bool labels = false;        // deliver class labels and instances too
-  bool lidar = false;         // deliver LiDAR scans too
-  bool changes = true;        // false: nothing moves, goes or comes after the first lap
-  int movers = 0;             // people walking up and down
-  bool realtime = true;       // driver: pace by the monotonic clock
-  double start_time_s = 0.0;  // stamp of the first frame
-  std::uint64_t frames = 0;   // stop after so many camera frames; 0: when the laps are done
+  double noise = 1.0;            // factor on every noise of the sensors; 0: perfect images, no dropout
+  std::uint64_t noise_seed = 0;  // other draws of it in the same world; 0: as `seed` says
+  bool blur = false;             // motion blur of an 8 ms exposure
+  double max_depth_m = 8.0;      // depth beyond it reads 0
+  bool labels = false;           // deliver class labels and instances too
+  bool lidar = false;            // deliver LiDAR scans too
+  bool changes = true;           // false: nothing moves, goes or comes after the first lap
+  int movers = 0;                // people walking up and down
+  bool realtime = true;          // driver: pace by the monotonic clock
+  double start_time_s = 0.0;     // stamp of the first frame
+  std::uint64_t frames = 0;      // stop after so many camera frames; 0: when the laps are done
 };
 
 std::vector<std::string> scene_names();

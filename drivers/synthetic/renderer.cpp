@@ -1,5 +1,7 @@
 #include "drivers/synthetic/renderer.hpp"
 
+#include "drivers/synthetic/random.hpp"
+
 namespace povslam::synthetic {
 
 namespace {
@@ -7,10 +9,14 @@ namespace {
 constexpr int kBlurExposures = 4;
 constexpr double kExposure_s = 0.008;
 
+std::uint64_t noise_seed(const SyntheticOptions& options) {
+  return options.noise_seed != 0 ? mix(options.seed, options.noise_seed) : options.seed;
+}
+
 }  // namespace
 
 Renderer::Renderer(const World& world)
-    : world_(world), noise_(world.options().seed, world.options().noise), shader_(world) {}
+    : world_(world), noise_(noise_seed(world.options()), world.options().noise), shader_(world) {}
 
 void Renderer::expose(const Rigid3& T_world_camera, double time_s, ImageU8& color) {
   const View view(world_.options().camera, T_world_camera);

@@ -95,7 +95,8 @@ class Bench {
     Tally all;
     for (const Try& tried : tries_) {
       const std::string place = kPlaceNames[static_cast<int>(tried.place)];
-      const bool elsewhere = tried.known == Known::mapped && tried.share.alike < kAlikeShare;
+      const bool may_be_known = tried.known == Known::mapped || tried.known == Known::ambiguous;
+      const bool elsewhere = may_be_known && tried.share.alike < kAlikeShare;
       rows[place + ", " + kKnownNames[static_cast<int>(tried.known)] + (elsewhere ? " otherwise" : "")].add(tried);
       all.add(tried);
     }

@@ -25,6 +25,13 @@ enum class Known {
 };
 inline constexpr const char* kKnownNames[] = {"mapped", "partly", "unmapped", "ambiguous"};
 
+struct Step {  // one frame of a try
+  TrackState state = TrackState::lost;
+  int landmarks = 0;
+  bool keyframe = false;
+  PoseError error;
+};
+
 struct Try {
   Place place = Place::lap;
   Known known = Known::mapped;
@@ -39,6 +46,7 @@ struct Try {
   Rigid3 T_world_body_worst;
   int held = 0, held_wrong = 0, held_uncovered = 0;  // uncovered: further off than three sigma say
   TrackState last = TrackState::lost;
+  std::vector<Step> steps;
 
   bool found() const { return first_right >= 0; }
   bool any_wrong() const { return wrong > 0; }
@@ -52,12 +60,13 @@ class TryScore {
   void add(const PoseEstimate& pose, const Rigid3& T_world_camera) {
     const int frame = try_.frames++;
     try_.last = pose.state;
+    const PoseError error = error_of(pose.T_world_camera, T_world_camera);
+    try_.steps.push_back({pose.state, pose.num_landmarks, pose.keyframe, error});
     if (!has_pose(pose)) {
       holding_ = false;
       return;
     }
     if (frame >= frames_to_lost_) holding_ = false;
-    const PoseError error = error_of(pose.T_world_camera, T_world_camera);
     if (holding_ && error.wrong()) return add_held(pose, error);
     ++try_.claims;
     if (!error.wrong() && !try_.found()) {
@@ -109,26 +118,36 @@ struct Tally {
   }
 };
 
+// The steps only of tries that went wrong.
 inline nlohmann::ordered_json to_json(const Try& t) {
-  return {{"place", kPlaceNames[static_cast<int>(t.place)]},
-          {"known", kKnownNames[static_cast<int>(t.known)]},
-          {"x", t.drift.x},
-          {"y", t.drift.y},
-          {"yaw", t.drift.yaw},
-          {"surfaces", t.share.surfaces},
-          {"seen", t.share.seen},
-          {"alike", t.share.alike},
-          {"twin_difference", t.twin_difference},
-          {"first_right_frame", t.first_right},
-          {"error_m", t.right.m},
-          {"error_deg", t.right.deg},
-          {"claims", t.claims},
-          {"wrong", t.wrong},
-          {"worst_m", t.worst.m},
-          {"worst_deg", t.worst.deg},
-          {"held_wrong", t.held_wrong},
-          {"held_uncovered", t.held_uncovered},
-          {"last_state", to_string(t.last)}};
+  nlohmann::ordered_json json{{"place", kPlaceNames[static_cast<int>(t.place)]},
+                              {"known", kKnownNames[static_cast<int>(t.known)]},
+                              {"x", t.drift.x},
+                              {"y", t.drift.y},
+                              {"yaw", t.drift.yaw},
+                              {"surfaces", t.share.surfaces},
+                              {"seen", t.share.seen},
+                              {"alike", t.share.alike},
+                              {"twin_difference", t.twin_difference},
+                              {"first_right_frame", t.first_right},
+                              {"error_m", t.right.m},
+                              {"error_deg", t.right.deg},
+                              {"claims", t.claims},
+                              {"wrong", t.wrong},
+                              {"worst_m", t.worst.m},
+                              {"worst_deg", t.worst.deg},
+                              {"held_wrong", t.held_wrong},
+                              {"held_uncovered", t.held_uncovered},
+                              {"last_state", to_string(t.last)}};
+  if (!t.any_wrong()) return json;
+  for (const Step& step : t.steps) {
+    json["steps"].push_back({{"state", to_string(step.state)},
+                             {"landmarks", step.landmarks},
+                             {"keyframe", step.keyframe},
+                             {"m", step.error.m},
+                             {"deg", step.error.deg}});
+  }
+  return json;
 }
 
 }  // namespace povslam

@@ -164,6 +164,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   key("fps", "Camera frames a second (15)");
   key("speed_mps", "Speed of the robot, m/s (0.6)");
   key("noise", "Factor on all sensor noise, 0: perfect images (1)");
+  key("noise_seed", "Other noise in the same world (0: as the seed says)");
   key("max_depth_m", "Depth beyond it reads 0 (8)");
   key("changes", "false: nothing moves, goes or comes after the first lap (true)");
   key("movers", "People walking about (0)");

@@ -63,6 +63,19 @@ TEST(Renderer, AFrameIsTheSameWhateverWasRenderedBefore) {
   }
 }
 
+TEST(Renderer, AnotherNoiseSeedDisturbsTheSameWorldOtherwise) {
+  SyntheticOptions options = small_options("static", 3);
+  const World world = make_world(options);
+  options.noise_seed = 5;
+  const World again = make_world(options);
+  Renderer a(world), b(again);
+  RgbdFrame first, second;
+  a.render_at(3.0, first);
+  b.render_at(3.0, second);
+  EXPECT_FALSE(same_bytes(first, second));
+  EXPECT_TRUE(std::ranges::equal(a.raster().inverse_depth().pixels(), b.raster().inverse_depth().pixels()));
+}
+
 TEST(Renderer, TrackersAlwaysHaveSomethingToSee) {
   for (const char* name : {"boxsim", "static"}) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
@@ -101,7 +114,8 @@ TEST(Renderer, TwinsLookTheSameFromWithinAndDifferAtTheirEnds) {
     }
     return pixels;
   };
-  for (const double x : {-3.75, -3.5, -1.25, -1.0, 1.0, 1.25}) EXPECT_LE(differing(x, -0.5 * kPi), 10) << x;  // rounding
+  for (const double x : {-3.75, -3.5, -1.25, -1.0, 1.0, 1.25})
+    EXPECT_LE(differing(x, -0.5 * kPi), 10) << x;  // rounding
   for (const double yaw_rad : {-0.6, -0.4}) EXPECT_GT(differing(-1.25, yaw_rad), 160 * 120 / 50) << yaw_rad;
 }
 
