@@ -43,22 +43,21 @@ bool Keyframer::wanted(const Frame& frame, const Map& map, std::int32_t newest, 
   int with_depth = 0;
   for (int i = 0; i < frame.size(); ++i) with_depth += frame.has_depth(i) ? 1 : 0;
   const bool moved_at_all = moved.translation.norm() > 0.2 * kMinMoveM || rotation_angle_rad(moved) > 0.2 * kMinTurnRad;
-  if (moved_at_all && num_inliers < kKnownShare * with_depth) return !covered(frame, map, last, num_inliers, true);
+  if (moved_at_all && num_inliers < kKnownShare * with_depth) return !covered(frame, map, last, num_inliers);
   if (still || (age < options_.keyframe_max_frames && num_inliers >= kOverlap * most_inliers_)) return false;
-  if (!covered(frame, map, last, num_inliers, false)) return true;
+  if (!covered(frame, map, last, num_inliers)) return true;
   most_inliers_ = num_inliers;  // that keyframe serves as if it were made here
   return false;
 }
 
-// Whether a keyframe of about this view is as good as a new one: the frame finds as many landmarks as right after it.
-bool Keyframer::covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers,
-                        bool only_settled) const {
+// Whether an earlier visit's keyframe of about this view serves as well as a new one: the frame finds what it kept.
+bool Keyframer::covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers) const {
   const Rigid3 T_world_camera = frame.T_camera_world.inverse();
   const double inverse_depth =
       mean_inverse_depth(std::span(frame.inverse_depth).first(static_cast<std::size_t>(frame.size())));
   for (std::int32_t s = 0; s < map.keyframe_slots(); ++s) {
     const Keyframe& kf = map.keyframe(s);
-    if (!kf.alive || (only_settled && !settled(kf, newest.id, frame.index))) continue;
+    if (!kf.alive || !settled(kf, newest.id, frame.index)) continue;
     if (image_shift(camera_, kf.T_world_camera, T_world_camera, inverse_depth) < kSameView &&
         num_inliers >= kOverlap * landmarks_seen(kf)) {
       return true;

@@ -16,7 +16,7 @@ class Keyframer {
   Keyframer(const PinholeCamera& camera, const FrontendOptions& options);
 
   // Whether a tracked frame shows enough that the map does not know. num_inliers: landmarks that fit in this frame.
-  // On known ground, where a keyframe of about this view saw hardly more landmarks, nothing is.
+  // On known ground, where an earlier visit's keyframe of about this view kept hardly more landmarks, none is.
   bool wanted(const Frame& frame, const Map& map, std::int32_t newest, int num_inliers, bool weak);
 
   // Keeps the frame: landmarks it saw get a sighting, features with depth that saw none become landmarks.
@@ -31,7 +31,7 @@ class Keyframer {
   void triangulate_landmarks(Map& map, const FrameBuilder& images, Frame& frame, std::int32_t slot);
   void put_on_probation(const Map& map, std::int32_t landmark);
   void keep_look(Map& map, const FrameBuilder& images, const Frame& frame, int feature, std::int32_t landmark) const;
-  bool covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers, bool only_settled) const;
+  bool covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers) const;
   bool settled(const Keyframe& keyframe, std::int64_t newest_id, std::int64_t now_index) const;
   void cull_landmarks(Map& map, std::int64_t now);
   bool cull_same_view(Map& map, std::int32_t newest) const;

@@ -1,6 +1,7 @@
 #include "pipeline/frontend/map_journal.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace povslam {
 
@@ -18,10 +19,17 @@ MapJournal::MapJournal(const PinholeCamera& camera, const MapOptions& options)
   landmarks_.reserve(static_cast<std::size_t>(options.max_landmarks));
 }
 
-void MapJournal::assume_written(const Map& map) {
+void MapJournal::assume_written(const Map& map, const MapContent& content) {
   look_at_landmarks(map, 0, map.landmark_slots());
   look_at_keyframes(map);
   change_.clear();
+  if (static_cast<std::size_t>(map.num_landmarks()) == landmarks_.capacity()) return;  // what is missing had no room
+  std::unordered_set<std::int64_t> there;
+  for (const WrittenLandmark& written : landmarks_) there.insert(written.id);
+  for (const LandmarkRow& row : content.landmarks) {
+    const bool anchored = map.find_keyframe(row.anchor) != kNone;
+    if (anchored && !there.contains(row.landmark)) change_.removed_landmarks.push_back(row.landmark);
+  }
 }
 
 MapChange* MapJournal::advance(const Map& map, const MapMeta& meta, TimeNs now) {

@@ -16,7 +16,9 @@ class MapJournal {
  public:
   MapJournal(const PinholeCamera& camera, const MapOptions& options);
 
-  void assume_written(const Map& map);  // all that is there now
+  // Written is what the content says of all that is in the map now. Landmarks of the content that no keyframe sees (a
+  // session that ended in the middle of a sentence) are removed with the next change.
+  void assume_written(const Map& map, const MapContent& content);
 
   // One slice a call. The change is complete, and not null, once `now` has come period_s after the last one and every
   // landmark was looked at; then it is the caller's until given back. Null while one is out.

@@ -8,6 +8,7 @@ namespace povslam {
 
 namespace {
 
+constexpr std::int64_t kLongAgo = -(std::int64_t{1} << 40);                           // frames before this session
 using SightingsOf = std::unordered_map<std::int64_t, std::vector<LandmarkSighting>>;  // by landmark id
 
 template <class Row, class Id>
@@ -58,7 +59,7 @@ void MapLoader::add_keyframe(const KeyframeRow& row, const KeyframeFeatures& see
   const std::size_t n = std::min(seen.x.size(), static_cast<std::size_t>(map_.max_features_));
   Keyframe& kf = map_.take_slot(slot, n);
   kf.id = row.keyframe;
-  kf.frame_index = -1;
+  kf.frame_index = kLongAgo;
   kf.stamp = seen.stamp;
   kf.T_world_camera = row.T_world_camera;
   kf.covariance = row.covariance;

@@ -55,7 +55,7 @@ Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& op
 void Tracker::adopt(const MapContent& content) {
   MapLoader::load(content, camera_, map_);
   places_.update(map_, content.meta.vocabulary == places_.vocabulary());
-  journal_.assume_written(map_);
+  journal_.assume_written(map_, content);
   result_.map_version = content.meta.map_version;
   result_.state = TrackState::lost;
   result_.covariance.topLeftCorner<3, 3>().diagonal().setConstant(kAnywhereM * kAnywhereM);

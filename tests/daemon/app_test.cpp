@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <map>
 
 #include "daemon/config_file.hpp"
+#include "drivers/registry.hpp"
 #include "tests/support/fake_driver.hpp"
 #include "tests/support/log_text.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -223,6 +225,47 @@ TEST(App, KeepsItsMapWhereItIsTold) {
   auto store = MapStore::open(bench.map_store, StoreMode::read_write);  // nobody holds it any more
   ASSERT_TRUE(store) << store.error().message;
   EXPECT_TRUE(store->load());
+}
+
+// A simulated drive of two seconds in real time, on the map of the store.
+std::vector<TrackedFrame> drive_on(const std::filesystem::path& map_store) {
+  CollectingSink sink;
+  std::atomic<bool> ended{false};
+  AppOptions options;
+  options.driver = std::move(*make_driver(
+      "synthetic",
+      {{"scene", "static"}, {"seed", "3"}, {"width", "320"}, {"height", "240"}, {"fps", "30"}, {"frames", "60"}}));
+  options.sinks = {&sink};
+  options.map_store = map_store;
+  options.on_end = [&ended] {
+    ended = true;
+    ended.notify_all();
+  };
+  auto app = App::start(*parse_config("[[sensor]]\ndriver = \"synthetic\"\n", "test", {}), std::move(options));
+  EXPECT_TRUE(app) << app.error().message;
+  ended.wait(false);
+  (*app)->stop();
+  return sink.frames;
+}
+
+TEST(App, FindsItselfOnTheMapItStored) {
+  const TempFolder folder;
+  const auto first = drive_on(folder.path() / "map.db"), second = drive_on(folder.path() / "map.db");
+  ASSERT_FALSE(first.empty() || second.empty());
+  EXPECT_EQ(first.front().pose.state, TrackState::ok);
+  EXPECT_EQ(second.front().pose.state, TrackState::lost);
+  EXPECT_EQ(second.back().pose.state, TrackState::ok);
+  EXPECT_GT(second.back().map.keyframes, 0);
+  std::map<std::uint64_t, Rigid3> places;
+  for (const TrackedFrame& frame : first) places[frame.pose.seq] = frame.pose.T_world_body;
+  int compared = 0;
+  for (const TrackedFrame& frame : second) {
+    const auto before = places.find(frame.pose.seq);
+    if (frame.pose.state != TrackState::ok || before == places.end()) continue;
+    EXPECT_LT((frame.pose.T_world_body.translation - before->second.translation).norm(), 0.03);
+    ++compared;
+  }
+  EXPECT_GT(compared, 3);
 }
 
 TEST(App, BeginsEmptyAndDegradedWhenTheMapIsDamaged) {

@@ -42,7 +42,8 @@ struct Killed {
   int status = 0;
 };
 
-Killed run_and_kill(const std::filesystem::path& file, unsigned seed, int done, TimeNs after) {
+// Kills `after` the child has told of `commits`, however fast the machine is.
+Killed run_and_kill(const std::filesystem::path& file, unsigned seed, int done, int commits, TimeNs after) {
   int ends[2];
   EXPECT_EQ(pipe(ends), 0);
   const pid_t child = fork();
@@ -51,11 +52,14 @@ Killed run_and_kill(const std::filesystem::path& file, unsigned seed, int done, 
     commit_for_ever(file, seed, done, ends[1]);
   }
   close(ends[1]);
+  Killed killed{done, 0};
+  int number = 0;
+  while (killed.confirmed < done + commits && read(ends[0], &number, sizeof number) == sizeof number) {
+    killed.confirmed = number;
+  }
   usleep(static_cast<useconds_t>(after / kNsPerUs));
   kill(child, SIGKILL);
-  Killed killed{done, 0};
   waitpid(child, &killed.status, 0);
-  int number = 0;
   while (read(ends[0], &number, sizeof number) == sizeof number) killed.confirmed = number;
   close(ends[0]);
   return killed;
@@ -78,9 +82,10 @@ TEST(StoreKill, LosesNothingCommittedAndAlwaysOpens) {
       done = 0;
       ++stores;
     }
-    const TimeNs after = std::uniform_int_distribution<TimeNs>(0, 60 * kNsPerMs)(random);
+    const int commits = std::uniform_int_distribution<int>(0, 4)(random);
+    const TimeNs after = std::uniform_int_distribution<TimeNs>(0, 30 * kNsPerMs)(random);
     const auto file = folder->path() / "map.db";
-    const Killed killed = run_and_kill(file, seed, done, after);
+    const Killed killed = run_and_kill(file, seed, done, commits, after);
     ASSERT_TRUE(WIFSIGNALED(killed.status)) << "the child failed with " << WEXITSTATUS(killed.status);
     total_confirmed += killed.confirmed - done;
     for (; done < killed.confirmed; ++done) maker->next();

@@ -82,7 +82,7 @@ TEST(StoreRows, KeepTheirLayoutForEver) {
   Rows rows = some_rows();
   rows.landmark = {.landmark = 1, .anchor = 2, .p_anchor = {1, 2, 3}, .born_keyframe = 4, .visible = 5, .found = 6};
   const std::vector<Bytes> written = bytes_of(rows);
-  EXPECT_EQ(written[0].size(), 1u + 8 + 8 + 4 + 8 + 8 + 8 + 8);
+  EXPECT_EQ(written[0].size(), 1u + 8 + 8 + 4 + 8 + 5 * 8 + 8 + 8 + 8);
   EXPECT_EQ(written[1].size(), 1u + 8 + 4 + 1 + rows.features.x.size() * 57);
   EXPECT_EQ(written[4].size(), 1u + 576);
   const Bytes head = {1, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xF0, 0x3F};  // layout, anchor, 1.0

@@ -272,11 +272,19 @@ TEST_F(Store, SaysWhatIsWrongWithTheFolder) {
 TEST_F(Store, SaysThatAFolderCannotBeWritten) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
   open();
-  std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const auto empty = folder_.path() / "empty";
+  std::filesystem::create_directory(empty);
+  for (const auto& folder : {empty, folder_.path()}) {
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  }
   EXPECT_TRUE(MapStore::open(file(), StoreMode::read_only));
-  std::filesystem::remove(file());
-  EXPECT_THAT(refusal(), HasSubstr("writable"));
-  std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_all);
+  EXPECT_THAT(refusal(), HasSubstr("this user"));
+  const auto fresh = open_or_quarantine(empty / "map.db");
+  ASSERT_FALSE(fresh);
+  EXPECT_THAT(fresh.error().message, HasSubstr("the folder must be writable by this user"));
+  for (const auto& folder : {folder_.path(), empty}) {
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
+  }
 }
 
 TEST_F(Store, NoticesThatItsFileWasTakenAway) {

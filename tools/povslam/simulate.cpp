@@ -152,7 +152,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
     command->add_option_function<std::string>(
         "--" + name, [given, name](const std::string& text) { given->keys[name] = text; }, help);
   };
-  command->add_option("scene", given->keys["scene"], "boxsim, static, aisle, majority, adversarial, twins, rooms or hall")->required();
+  command
+      ->add_option("scene", given->keys["scene"], "boxsim, static, aisle, majority, adversarial, twins, rooms or hall")
+      ->required();
   command->add_option("--out", given->simulate.out, "Folder to write")->required();
   command->add_flag("--force", given->simulate.force, "Replace an earlier simulated sequence in --out");
   key("seed", "Another world of the same kind (1)");

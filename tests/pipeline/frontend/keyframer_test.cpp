@@ -149,12 +149,14 @@ TEST(Keyframer, KeepsAFrameWhenTheViewHasChanged) {
   EXPECT_TRUE(story.wanted(all * 7 / 10));  // a quarter of the landmarks went out of view
 }
 
-TEST(Keyframer, KeepsAFrameAfterAWhileUnlessAKeyframeShowsItsView) {
+TEST(Keyframer, KeepsAFrameAfterAWhileUnlessAnEarlierVisitSawItsView) {
   Story story;
   story.keep();
   const int all = story.map.num_landmarks();
-  story.frame.index = story.options.map.keyframe_max_frames;
   story.move(0.1);
+  story.frame.index = story.options.map.keyframe_max_frames;
+  EXPECT_TRUE(story.wanted(all));
+  story.frame.index = 20L * story.options.map.keyframe_max_frames;
   EXPECT_FALSE(story.wanted(all));
   story.move(1.5);
   EXPECT_TRUE(story.wanted(all));

@@ -113,7 +113,7 @@ TEST(MapJournal, SaysNothingWhereNothingChanged) {
   const MapContent content = mapped_place();
   const Map map = loaded(content, Session().camera());
   MapJournal journal(Session().camera(), small_frontend().map);
-  journal.assume_written(map);
+  journal.assume_written(map, content);
   EXPECT_EQ(journal.collect(map, {}), nullptr);
 }
 
@@ -121,7 +121,7 @@ TEST(MapJournal, LeavesOutWhatWasRemoved) {
   const MapContent content = mapped_place();
   Map map = loaded(content, Session().camera());
   MapJournal journal(Session().camera(), small_frontend().map);
-  journal.assume_written(map);
+  journal.assume_written(map, content);
   const std::int64_t id = map.keyframe(2).id;
   const int landmarks = map.num_landmarks();
   map.remove_keyframe(2);
@@ -132,6 +132,20 @@ TEST(MapJournal, LeavesOutWhatWasRemoved) {
   MapContent after = content;
   apply_change(after, *change);
   EXPECT_EQ(loaded(after, Session().camera()).num_landmarks(), map.num_landmarks());
+}
+
+TEST(MapJournal, RemovesWhatASessionCutShortLeftBehind) {
+  MapContent content = mapped_place();
+  LandmarkRow orphan = content.landmarks.front();
+  orphan.landmark = content.meta.next_landmark++;
+  content.landmarks.push_back(orphan);  // written, and no keyframe said yet that it sees it
+  const Map map = loaded(content, Session().camera());
+  MapJournal journal(Session().camera(), small_frontend().map);
+  journal.assume_written(map, content);
+  MapChange* change = journal.collect(map, {});
+  ASSERT_NE(change, nullptr);
+  EXPECT_EQ(change->removed_landmarks, std::vector<std::int64_t>{orphan.landmark});
+  EXPECT_TRUE(change->landmarks.empty() && change->keyframes.empty());
 }
 
 TEST(MapLoader, BringsBackWhatFitsIntoASmallerMap) {
