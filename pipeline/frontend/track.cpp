@@ -17,6 +17,8 @@ constexpr int kMinToRelocalise = 40;     // fitting landmarks before a found pla
 constexpr float kWide = 4.0F;            // widening of the local search around a found place
 constexpr double kUnseenSpeedMps = 1.0;  // how fast the pose may leave us while nothing is seen
 constexpr double kUnseenTurnRadps = 1.0;
+// No robot, nor a hand, moves faster between the last pose and this one; what would have to is somewhere else.
+constexpr double kStepM = 0.05, kMaxSpeedMps = 4.0, kStepRad = 0.05, kMaxTurnRadps = 6.0;
 constexpr double kAnywhereM = 100.0, kAnyTurnRad = 3.0;  // doubt of a pose nobody knows
 constexpr int kStartTries = 30;                          // frames
 constexpr double kJumpM = 0.02, kJumpRad = 0.01;         // a correction of the map that is said to be one
@@ -134,8 +136,13 @@ void Tracker::restart_map() {
 }
 
 bool Tracker::track_frame() {
+  const TrackResult held = result_;
   const bool may_follow = result_.state != TrackState::lost;
-  if (may_follow && track_from_last() && track_local_map(frame_.T_camera_world, 1.0F)) return true;
+  if (may_follow && track_from_last() && track_local_map(frame_.T_camera_world, 1.0F) && moved_possibly()) {
+    // After a held pose a few landmarks that fit are chance.
+    if (bad_frames_ == 0 || result_.num_landmarks >= kMinToRelocalise) return true;
+  }
+  result_ = held;
   if (!relocalise()) return false;
   // No motion led here from the last pose, and trust begins anew.
   if (result_.state == TrackState::lost) ++result_.map_version;
@@ -318,7 +325,15 @@ bool Tracker::relocalise() {
 bool Tracker::found_near() {
   if (newest_keyframe_ == kNone || !map_.keyframe(newest_keyframe_).alive) return false;
   const auto found = relocaliser_.against(map_, newest_keyframe_, frame_);
-  return found && confirm(found->T_camera_world);
+  return found && confirm(found->T_camera_world) && moved_possibly();
+}
+
+// Since the last pose that was seen, which last_ holds while none is.
+bool Tracker::moved_possibly() const {
+  const double passed_s = unseen_s_ + std::max(0.0, to_seconds(frame_.stamp - last_.stamp));
+  const Rigid3 moved = last_.T_camera_world * frame_.T_camera_world.inverse();
+  return moved.translation.norm() <= kStepM + kMaxSpeedMps * passed_s &&
+         rotation_angle_rad(moved) <= kStepRad + kMaxTurnRadps * passed_s;
 }
 
 bool Tracker::found_at_start() {
@@ -367,6 +382,7 @@ void Tracker::update_state(bool tracked) {
   good_frames_ = result_.num_landmarks >= limits.min_inliers_ok ? good_frames_ + 1 : 0;
   const bool ok = result_.state == TrackState::ok ? good_frames_ > 0 : good_frames_ >= limits.frames_to_recover;
   result_.state = ok ? TrackState::ok : TrackState::degraded;
+  regaining_ = !ok && (regaining_ || !followed);
   if (!followed) return;  // odom goes on from where it stood: what happened unseen is the map's to know
   const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
   motion_.moved(T_before_now, frame_.stamp - last_.stamp);
@@ -375,7 +391,7 @@ void Tracker::update_state(bool tracked) {
 
 // Keeps the frame if the map lacks it, and asks for smoothing around it.
 void Tracker::upkeep() {
-  if (options_.map.mode == "localise") return name_reference();
+  if (options_.map.mode == "localise" || regaining_) return name_reference();  // nothing is learned in doubt
   if (newest_keyframe_ == kNone || !map_.keyframe(newest_keyframe_).alive) newest_keyframe_ = local_map_.reference();
   const bool weak = result_.num_landmarks < 2 * options_.track.min_inliers_ok;
   if (keyframer_.wanted(frame_, map_, newest_keyframe_, result_.num_landmarks, weak)) {

@@ -76,6 +76,7 @@ class Tracker {
   bool found_at_start();
   bool found_anywhere();
   bool confirm(const Rigid3& T_camera_world);
+  bool moved_possibly() const;
   void hold_pose();
   void update_state(bool tracked);
   void upkeep();
@@ -116,6 +117,7 @@ class Tracker {
   std::int64_t reference_id_ = -1;
   int matches_of_last_ = 0;  // points of the frame before last that the last one showed
   int good_frames_ = 0, bad_frames_ = 0;
+  bool regaining_ = false;  // a pose was held or found anew, and trust is not back yet
   double unseen_s_ = 0.0;  // since the last tracked frame, while none is
   int start_tries_ = 0;    // frames in which the start pose may still be tried on an earlier session's map
 
