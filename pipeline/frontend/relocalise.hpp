@@ -1,5 +1,7 @@
 // Finding the camera in the map without a prediction: places that look like the frame, each verified; the best is
-// believed only if no other place explains the frame nearly as well from elsewhere. Identical racks: no answer.
+// believed only if no other place explains the frame nearly as well from elsewhere. Identical racks: no answer. A place
+// of which the map holds a twin is believed only where the twin is known well enough to be ruled out: a rack seen from
+// where its twin was mapped and it was not would else be taken for the twin.
 //
 // To be found again once lost, in each frame:
 //   const Relocaliser::Answer answer = relocaliser.search(map, index, frame);
@@ -43,6 +45,7 @@ class Relocaliser {
     std::int32_t keyframe = kNone;  // slot: of the best place, the one that looks most like the frame
     PlaceFit fit;                   // of the best place, also when it is not believed
     int places_tried = 0;
+    bool twins_known = false;  // the best place was asked whether the map holds one that looks the same
   };
   // Bounded work: a query of the index and at most kMaxPlaces verifications (see PlaceVerifier).
   Answer search(const Map& map, PlaceIndex& index, const Frame& frame);
@@ -56,8 +59,18 @@ class Relocaliser {
   std::optional<Found> against(const Map& map, std::int32_t keyframe, const Frame& frame);
 
  private:
+  struct Twin {                  // by keyframe slot
+    std::int64_t of = -1;        // keyframe id it was looked for
+    std::int64_t keyframe = -1;  // id of one elsewhere that looks the same; -1: none
+    Rigid3 T_twin_world;         // carries a pose here to where it would be there
+  };
+  bool know_twins(const Map& map, PlaceIndex& index, const PlaceAround& place);
+  void look_for_twin(const Map& map, PlaceIndex& index, std::int32_t keyframe);
+  bool may_be_twin(const Map& map, const PlaceAround& place, const FeatureView& view, const PlaceFit& fit);
+
   PlaceVerifier verifier_;
   std::vector<std::uint32_t> words_;
+  std::vector<Twin> twins_;
 };
 
 // Asks for the same answer from successive frames before it is believed.

@@ -82,6 +82,17 @@ std::optional<PlaceFit> PlaceVerifier::verify(const Map& map, std::span<const st
   return fit;
 }
 
+PlaceFit PlaceVerifier::explain(const Map& map, std::span<const std::int32_t> place, const FeatureView& view,
+                                const Rigid3& T_camera_world) {
+  looks_.match(map, place.first(std::min(place.size(), kMaxPlaceKeyframes)), view);
+  grid_.build(view.x, view.y);
+  PlaceFit fit = search_guided(map, view, T_camera_world);
+  if (fit.num_inliers == 0) {  // too few were found for a pose; that they were expected counts all the same
+    fit.num_expected = static_cast<int>(std::ranges::count_if(expected_, &Expected::sure));
+  }
+  return fit;
+}
+
 PoseObservation PlaceVerifier::observe(const Map& map, const FeatureView& view, std::size_t f,
                                        std::int32_t landmark) const {
   PoseObservation o;

@@ -51,6 +51,10 @@ class PlaceVerifier {
   // not looked at. Nothing when no pose agrees with enough of the view.
   std::optional<PlaceFit> verify(const Map& map, std::span<const std::int32_t> place, const FeatureView& view);
 
+  // What the place would explain of the view if it were seen from there; the pose is refined where it can be.
+  PlaceFit explain(const Map& map, std::span<const std::int32_t> place, const FeatureView& view,
+                   const Rigid3& T_camera_world);
+
   using Pair = FeatureOfLandmark;
   std::span<const Pair> pairs() const { return pairs_; }  // the inliers of the last fit
 
