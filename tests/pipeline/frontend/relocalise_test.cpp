@@ -205,6 +205,7 @@ namespace {
 Relocaliser::Answer found_at(double x) {
   Relocaliser::Answer answer;
   answer.verdict = Verdict::found;
+  answer.twins_known = true;
   answer.fit.T_camera_world = made::looking_along_y({x, 0.0, 0.0}).inverse();
   return answer;
 }
@@ -216,6 +217,14 @@ TEST(Agreement, BelievesTheThirdAnswerThatAgrees) {
   EXPECT_FALSE(agreement.add(found_at(1.00), 1 * kFrameNs));
   EXPECT_FALSE(agreement.add(found_at(1.02), 2 * kFrameNs));
   EXPECT_TRUE(agreement.add(found_at(1.04), 3 * kFrameNs));
+}
+
+TEST(Agreement, WaitsUntilTheMapWasAskedForTwins) {
+  Agreement agreement;
+  Relocaliser::Answer unasked = found_at(1.0);
+  unasked.twins_known = false;
+  for (int i = 0; i < 6; ++i) EXPECT_FALSE(agreement.add(unasked, i * kFrameNs));
+  EXPECT_TRUE(agreement.add(found_at(1.0), 6 * kFrameNs));
 }
 
 TEST(Agreement, ForgivesAFrameWithoutAnAnswerButNotADoubt) {
