@@ -118,8 +118,8 @@ class Tracker {
   int matches_of_last_ = 0;  // points of the frame before last that the last one showed
   int good_frames_ = 0, bad_frames_ = 0;
   bool regaining_ = false;  // a pose was held or found anew, and trust is not back yet
-  double unseen_s_ = 0.0;  // since the last tracked frame, while none is
-  int start_tries_ = 0;    // frames in which the start pose may still be tried on an earlier session's map
+  double unseen_s_ = 0.0;   // since the last tracked frame, while none is
+  int start_tries_ = 0;     // frames in which the start pose may still be tried on an earlier session's map
 
   SmoothProblem problem_;
   enum class ProblemState { idle, offered, out, answered } problem_state_ = ProblemState::idle;
