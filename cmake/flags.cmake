@@ -28,4 +28,6 @@ endif()
 if(POVSLAM_SANITIZE)
   add_compile_options(-fsanitize=${POVSLAM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
   add_link_options(-fsanitize=${POVSLAM_SANITIZE})
+  # Under AddressSanitizer Eigen would align memory by itself, and Ceres, which is built without, would free what it got.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
