@@ -4,6 +4,8 @@
 #include "pipeline/backend/close_loop.hpp"
 #include "pipeline/backend/smooth.hpp"
 #include "pipeline/frontend/options.hpp"
+#include "pipeline/mapping/integrate.hpp"
+#include "pipeline/objects/segment.hpp"
 
 namespace povslam {
 
@@ -13,9 +15,21 @@ struct BackendOptions {
   CloseLoopOptions close_loop;
 };
 
+struct UnderstandingOptions {
+  std::string labels = "auto";       // off; geometric; replay: frames of the driver; auto: those, else geometric
+  double period_s = 0.2;             // between two views
+  double label_max_latency_s = 3.0;  // a view waits so long for its labels
+  DepthViewOptions view;
+  SegmentOptions segment;
+  VolumeOptions structure;
+  VolumeOptions object{0.05, 0.2, 400};
+  IntegrateOptions integrate;
+};
+
 struct PipelineOptions {
   FrontendOptions frontend;
   BackendOptions backend;
+  UnderstandingOptions understanding;
 };
 
 }  // namespace povslam

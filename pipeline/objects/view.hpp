@@ -1,0 +1,35 @@
+// A frame chosen to be understood: what it measured, where it was taken, which landmarks it saw.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/frames/rgbd_frame.hpp"
+#include "pipeline/geometry/rigid.hpp"
+
+namespace povslam {
+
+struct SeenLandmark {
+  std::int64_t landmark = -1;                         // id of the tracker's map
+  float x = 0.0F, y = 0.0F;                           // px, rectified
+  float inverse_depth = 0.0F;                         // 1/m, measured; 0 = none
+  Eigen::Vector3d p_world = Eigen::Vector3d::Zero();  // where the map has it
+};
+
+struct View {
+  RgbdFrame frame;
+  Rigid3 T_world_camera;
+  Matrix6d covariance = Matrix6d::Zero();  // of T_world_camera (see Rigid3)
+  bool trusted = false;                    // the tracker's state was OK
+  std::uint32_t map_version = 0;
+  std::vector<SeenLandmark> landmarks;
+
+  TimeNs stamp() const { return frame.stamp; }
+};
+
+// Which object a landmark of the tracker belongs to: the tracker's own table keeps it.
+struct LandmarkOwner {
+  std::int64_t landmark = -1;
+  std::int64_t object = -1;  // -1: none
+};
+
+}  // namespace povslam

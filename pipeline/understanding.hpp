@@ -1,0 +1,75 @@
+// The other half of the journey, beside tracking: from chosen frames to objects, a dense map and events. One thread
+// (not tracking's); no threads, files or clocks of its own.
+//
+//   tracking thread:        if (pipeline.view_due(frame)) pipeline.fill(view);   hand the view over
+//   understanding thread:   understanding.add(labels) as they come;  understanding.add(view);
+//                           while (const Understood* done = understanding.step()) …publish, store, owners to tracking…
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pipeline/frames/calibration.hpp"
+#include "pipeline/frames/label_frame.hpp"
+#include "pipeline/mapping/mesh.hpp"
+#include "pipeline/objects/class_table.hpp"
+#include "pipeline/objects/object_event.hpp"
+#include "pipeline/objects/view.hpp"
+#include "pipeline/objects/world_rows.hpp"
+#include "pipeline/options.hpp"
+
+namespace povslam {
+
+struct UnderstandTimes {  // CPU of the calling thread [ms]
+  float segment_ms = 0.0F, associate_ms = 0.0F, integrate_ms = 0.0F, total_ms = 0.0F;
+};
+
+struct LabelCounts {
+  std::int64_t received = 0, joined = 0;
+  std::int64_t late = 0;         // their view was given up before
+  std::int64_t unmatched = 0;    // no view was taken at their stamp
+  std::int64_t missing = 0;      // views that went on without labels
+  std::int64_t bad = 0;          // wrong size, not increasing, from the future
+  std::int64_t unknown_ids = 0;  // pixels
+};
+
+struct Understood {  // of one view
+  TimeNs stamp = 0;
+  std::vector<ObjectEvent> events;
+  std::vector<LandmarkOwner> owners;  // that changed
+  int observations = 0;
+  UnderstandTimes times;
+};
+
+class Understanding {
+ public:
+  // classes: of the labels that will come (unused by geometric segmentation). content: an earlier session's, or null.
+  Understanding(const UnderstandingOptions& options, const SensorCalibration& calibration, ClassTable classes,
+                const WorldContent* content = nullptr);
+  ~Understanding();
+
+  void add(View&& view);  // the view is left with buffers of an earlier one, for reuse
+  void add(const LabelFrame& labels);
+
+  // Understands the oldest view that is ready; null: none is. The result is valid until the next call.
+  const Understood* step();
+  // Views that wait for labels wait no longer (end of a recording, source gone).
+  void stop_waiting();
+  // End of a session: events held back until more is known are decided now. Call after the last step().
+  const Understood& finish();
+
+  const std::vector<ObjectRecord>& objects() const;  // all that are not removed, as of the last step
+  const LabelCounts& labels() const;
+  void mesh(Mesh& mesh);  // of everything that stands; slow the first time (only what changed is made anew)
+
+  WorldChange* take_change();  // as Pipeline::take_change
+  WorldChange* collect_change();
+  void give_back(WorldChange* change);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace povslam
