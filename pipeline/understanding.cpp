@@ -1,0 +1,171 @@
+#include "pipeline/understanding.hpp"
+
+#include <deque>
+#include <utility>
+
+#include "pipeline/base/time.hpp"
+#include "pipeline/objects/library.hpp"
+
+namespace povslam {
+namespace {
+
+float ms(TimeNs span) {
+  return static_cast<float>(to_ms(span));
+}
+
+// Segments have no class but that of things.
+ClassTable classes_for(const UnderstandingOptions& options, ClassTable classes) {
+  return options.labels == "geometric" ? geometric_classes() : std::move(classes);
+}
+
+}  // namespace
+
+struct Understanding::Impl {
+  Impl(const UnderstandingOptions& its_options, const SensorCalibration& calibration, ClassTable classes)
+      : options(its_options),
+        builder(calibration.camera, options.view),
+        segmenter(calibration.camera, options.segment),
+        extractor(options.objects.extract, options.integrate.depth_sigma_quadratic_per_m),
+        structure(options.structure),
+        empty(options.empty),
+        library(options.objects, options.object, options.integrate, classes_for(options, std::move(classes))) {}
+
+  bool geometric() const { return options.labels == "geometric"; }
+
+  const Extraction* extract(const LabelFrame* labels) {
+    if (labels != nullptr) {
+      builder.rectify_labels(*labels, classes);
+      return &extractor.from_classes(classes, library.classes(), seen);
+    }
+    if (!geometric()) return nullptr;
+    const std::vector<Segment>& segments = segmenter.segment(seen, instances);
+    const std::vector<std::uint16_t> class_of(segments.size(), kGeometricObject);
+    return &extractor.from_instances(instances, class_of, seen);
+  }
+
+  void understand(const View& view, const LabelFrame* labels) {
+    const TimeNs start = thread_cpu_now();
+    done = {};
+    done.stamp = view.stamp();
+    builder.build(view.frame, view.T_world_camera, seen);
+    const Extraction* extraction = extract(labels);
+    const TimeNs segmented = thread_cpu_now();
+    TimeNs associated = segmented;
+    if (extraction != nullptr && view.trusted) {
+      done.observations = static_cast<int>(extraction->observations.size());
+      counts.unknown_ids += extraction->unknown_pixels;
+      library.observe(*extraction, empty, seen, step);
+      library.claim_landmarks(view.landmarks, seen, step);
+      done.events = std::move(step.events);
+      done.owners = std::move(step.owners);
+      associated = thread_cpu_now();
+      integrate(structure, seen, kStructure, Rigid3{}, options.integrate);
+      empty.observe(seen);
+    }
+    const TimeNs end = thread_cpu_now();
+    done.times = {ms(segmented - start), ms(associated - segmented), ms(end - associated), ms(end - start)};
+    list_objects();
+  }
+
+  void list_objects() {
+    records.clear();
+    for (const auto& object : library.objects()) {
+      if (object->phase == ObjectPhase::confirmed) records.push_back(library.record_of(*object));
+    }
+  }
+
+  UnderstandingOptions options;
+  DepthViewBuilder builder;
+  Segmenter segmenter;
+  Extractor extractor;
+  Volume structure;
+  EmptySpace empty;
+  ObjectLibrary library;
+  MeshCache structure_mesh;
+  DepthView seen;
+  ImageU8 classes;
+  ImageU16 instances;
+  LibraryStep step;
+  std::deque<View> waiting;
+  std::deque<LabelFrame> labels;
+  std::vector<View> spare;
+  bool stopped_waiting = false;
+  Understood done;
+  std::vector<ObjectRecord> records;
+  LabelCounts counts;
+  WorldChange change;
+};
+
+Understanding::Understanding(const UnderstandingOptions& options, const SensorCalibration& calibration,
+                             ClassTable classes, const WorldContent* /*content*/)
+    : impl_(std::make_unique<Impl>(options, calibration, std::move(classes))) {}
+Understanding::~Understanding() = default;
+
+void Understanding::add(View&& view) {
+  impl_->waiting.push_back(std::move(view));
+  view = View{};
+  if (impl_->spare.empty()) return;
+  view = std::move(impl_->spare.back());
+  impl_->spare.pop_back();
+}
+
+void Understanding::add(const LabelFrame& labels) {
+  ++impl_->counts.received;
+  impl_->labels.push_back(labels);
+}
+
+const Understood* Understanding::step() {
+  if (impl_->waiting.empty()) return nullptr;
+  View& view = impl_->waiting.front();
+  const LabelFrame* labels = nullptr;
+  if (!impl_->geometric()) {
+    while (!impl_->labels.empty() && impl_->labels.front().stamp < view.stamp()) impl_->labels.pop_front();
+    if (impl_->labels.empty() && !impl_->stopped_waiting) return nullptr;
+    if (!impl_->labels.empty() && impl_->labels.front().stamp == view.stamp()) labels = &impl_->labels.front();
+    ++(labels != nullptr ? impl_->counts.joined : impl_->counts.missing);
+  }
+  impl_->understand(view, labels);
+  impl_->spare.push_back(std::move(view));
+  impl_->waiting.pop_front();
+  return &impl_->done;
+}
+
+void Understanding::stop_waiting() {
+  impl_->stopped_waiting = true;
+}
+
+const Understood& Understanding::finish() {
+  impl_->done = {};
+  impl_->library.finish(impl_->step);
+  impl_->done.events = std::move(impl_->step.events);
+  impl_->list_objects();
+  return impl_->done;
+}
+
+const std::vector<ObjectRecord>& Understanding::objects() const {
+  return impl_->records;
+}
+const LabelCounts& Understanding::labels() const {
+  return impl_->counts;
+}
+
+void Understanding::mesh(Mesh& mesh) {
+  impl_->structure_mesh.update(impl_->structure);
+  impl_->structure_mesh.append_to(mesh, Rigid3{});
+  for (const auto& object : impl_->library.objects()) {
+    if (object->phase != ObjectPhase::confirmed) continue;
+    MeshCache cache;
+    cache.update(object->volume);
+    cache.append_to(mesh, object->T_world_volume);
+  }
+}
+
+WorldChange* Understanding::take_change() {
+  return nullptr;
+}
+WorldChange* Understanding::collect_change() {
+  return nullptr;
+}
+void Understanding::give_back(WorldChange* /*change*/) {}
+
+}  // namespace povslam
