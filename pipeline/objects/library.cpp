@@ -229,11 +229,11 @@ void ObjectLibrary::erase(std::int64_t id, LibraryStep& step) {
   std::erase(step.changed, id);
   step.removed.push_back(id);
   for (auto it = owner_of_landmark_.begin(); it != owner_of_landmark_.end();) {
-    if (it->second != id) {
+    if (it->second.object != id) {
       ++it;
       continue;
     }
-    step.owners.push_back({it->first, -1});
+    step.owners.push_back({it->first, it->second.slot, -1});
     it = owner_of_landmark_.erase(it);
   }
 }
@@ -243,8 +243,8 @@ void ObjectLibrary::rename(std::int64_t came, std::int64_t gone) {
   for (const auto& object : objects_) {
     if (object->id == came) object->id = gone;
   }
-  for (auto& [landmark, owner] : owner_of_landmark_) {
-    if (owner == came) owner = gone;
+  for (auto& [landmark, owned] : owner_of_landmark_) {
+    if (owned.object == came) owned.object = gone;
   }
   for (auto& [pixels, owner] : object_of_owner_) {
     if (owner == came) owner = gone;
@@ -274,10 +274,11 @@ void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, 
     const auto object = object_of_owner_.find(pixel);
     if (pixel == kNobody || (pixel >= kFirstInstance && object == object_of_owner_.end())) continue;
     const std::int64_t id = pixel == kStructure ? -1 : object->second;
-    const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, -1);
-    if (entry->second == id) continue;
-    entry->second = id;
-    step.owners.push_back({seen.landmark, id});
+    const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, Owned{});
+    entry->second.slot = seen.slot;
+    if (entry->second.object == id) continue;
+    entry->second.object = id;
+    step.owners.push_back({seen.landmark, seen.slot, id});
   }
 }
 
@@ -303,8 +304,8 @@ ObjectRecord ObjectLibrary::record_of(const MapObject& object) const {
   record.first_absent = object.first_absent;
   record.last_absent = object.last_absent;
   record.observations = object.observations;
-  for (const auto& [landmark, owner] : owner_of_landmark_) {
-    if (owner == object.id) record.landmarks.push_back(landmark);
+  for (const auto& [landmark, owned] : owner_of_landmark_) {
+    if (owned.object == object.id) record.landmarks.push_back(landmark);
   }
   std::sort(record.landmarks.begin(), record.landmarks.end());
   return record;

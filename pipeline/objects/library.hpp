@@ -64,7 +64,11 @@ class ObjectLibrary {
   std::int64_t next_id_ = 1;
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view
-  std::unordered_map<std::int64_t, std::int64_t> owner_of_landmark_;
+  struct Owned {
+    std::int64_t object = -1;
+    std::int32_t slot = -1;
+  };
+  std::unordered_map<std::int64_t, Owned> owner_of_landmark_;
   std::vector<std::pair<std::int64_t, std::int64_t>> renamed_;  // came, gone: by the desk, in this step
 };
 
