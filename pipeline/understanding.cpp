@@ -34,8 +34,8 @@ struct Understanding::Impl {
 
   const Extraction* extract(const LabelFrame* labels) {
     if (labels != nullptr) {
-      builder.rectify_labels(*labels, classes);
-      return &extractor.from_classes(classes, library.classes(), seen);
+      builder.rectify_labels(*labels, class_image);
+      return &extractor.from_classes(class_image, library.classes(), seen);
     }
     if (!geometric()) return nullptr;
     const std::vector<Segment>& segments = segmenter.segment(seen, instances);
@@ -83,11 +83,11 @@ struct Understanding::Impl {
   ObjectLibrary library;
   MeshCache structure_mesh;
   DepthView seen;
-  ImageU8 classes;
+  ImageU8 class_image;
   ImageU16 instances;
   LibraryStep step;
   std::deque<View> waiting;
-  std::deque<LabelFrame> labels;
+  std::deque<LabelFrame> pending_labels;
   std::vector<View> spare;
   bool stopped_waiting = false;
   Understood done;
@@ -111,7 +111,7 @@ void Understanding::add(View&& view) {
 
 void Understanding::add(const LabelFrame& labels) {
   ++impl_->counts.received;
-  impl_->labels.push_back(labels);
+  impl_->pending_labels.push_back(labels);
 }
 
 const Understood* Understanding::step() {
@@ -119,9 +119,9 @@ const Understood* Understanding::step() {
   View& view = impl_->waiting.front();
   const LabelFrame* labels = nullptr;
   if (!impl_->geometric()) {
-    while (!impl_->labels.empty() && impl_->labels.front().stamp < view.stamp()) impl_->labels.pop_front();
-    if (impl_->labels.empty() && !impl_->stopped_waiting) return nullptr;
-    if (!impl_->labels.empty() && impl_->labels.front().stamp == view.stamp()) labels = &impl_->labels.front();
+    while (!impl_->pending_labels.empty() && impl_->pending_labels.front().stamp < view.stamp()) impl_->pending_labels.pop_front();
+    if (impl_->pending_labels.empty() && !impl_->stopped_waiting) return nullptr;
+    if (!impl_->pending_labels.empty() && impl_->pending_labels.front().stamp == view.stamp()) labels = &impl_->pending_labels.front();
     ++(labels != nullptr ? impl_->counts.joined : impl_->counts.missing);
   }
   impl_->understand(view, labels);

@@ -131,7 +131,8 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
 // Absence is believed where the camera saw through the object's place; what still stands and was only not told apart
 // is not absent (see the design's method 1.5).
 void ObjectLibrary::miss(MapObject& object, const SurfaceLook& look, TimeNs now) {
-  const double share = static_cast<double>(look.seen_through) / std::max<double>(1.0, std::ssize(object.surface));
+  const double share =
+      static_cast<double>(look.seen_through) / static_cast<double>(std::max<std::size_t>(1, object.surface.size()));
   if (!contradicted(look, object) || share < 0.5 * options_.life.visible_share || look.seen_through < look.agree) {
     if (look.agree > 2 * (look.seen_through + 10) && object.phase == ObjectPhase::confirmed) object.last_seen = now;
     return;
