@@ -1,9 +1,9 @@
 #include "pipeline/understanding.hpp"
 
-#include <deque>
 #include <utility>
 
 #include "pipeline/base/time.hpp"
+#include "pipeline/objects/label_join.hpp"
 #include "pipeline/objects/library.hpp"
 
 namespace povslam {
@@ -18,6 +18,15 @@ ClassTable classes_for(const UnderstandingOptions& options, ClassTable classes) 
   return options.labels == "geometric" ? geometric_classes() : std::move(classes);
 }
 
+LabelJoinOptions join_options(const UnderstandingOptions& options, const SensorCalibration& calibration) {
+  LabelJoinOptions join;
+  join.max_latency_s = options.labels == "geometric" ? 0.0 : options.label_max_latency_s;
+  join.period_s = 1.0 / calibration.fps;
+  join.width = calibration.camera.width;
+  join.height = calibration.camera.height;
+  return join;
+}
+
 }  // namespace
 
 struct Understanding::Impl {
@@ -28,7 +37,8 @@ struct Understanding::Impl {
         extractor(options.objects.extract, options.integrate.depth_sigma_quadratic_per_m),
         structure(options.structure),
         empty(options.empty),
-        library(options.objects, options.object, options.integrate, classes_for(options, std::move(classes))) {}
+        library(options.objects, options.object, options.integrate, classes_for(options, std::move(classes))),
+        join(join_options(options, calibration), library.classes()) {}
 
   bool geometric() const { return options.labels == "geometric"; }
 
@@ -53,7 +63,6 @@ struct Understanding::Impl {
     TimeNs associated = segmented;
     if (extraction != nullptr && view.trusted) {
       done.observations = static_cast<int>(extraction->observations.size());
-      counts.unknown_ids += extraction->unknown_pixels;
       library.observe(*extraction, empty, seen, step);
       library.claim_landmarks(view.landmarks, seen, step);
       done.events = std::move(step.events);
@@ -86,13 +95,9 @@ struct Understanding::Impl {
   ImageU8 class_image;
   ImageU16 instances;
   LibraryStep step;
-  std::deque<View> waiting;
-  std::deque<LabelFrame> pending_labels;
-  std::vector<View> spare;
-  bool stopped_waiting = false;
+  LabelJoin join;
   Understood done;
   std::vector<ObjectRecord> records;
-  LabelCounts counts;
   WorldChange change;
 };
 
@@ -102,36 +107,21 @@ Understanding::Understanding(const UnderstandingOptions& options, const SensorCa
 Understanding::~Understanding() = default;
 
 void Understanding::add(View&& view) {
-  impl_->waiting.push_back(std::move(view));
-  view = View{};
-  if (impl_->spare.empty()) return;
-  view = std::move(impl_->spare.back());
-  impl_->spare.pop_back();
+  impl_->join.add(std::move(view));
 }
-
 void Understanding::add(const LabelFrame& labels) {
-  ++impl_->counts.received;
-  impl_->pending_labels.push_back(labels);
+  impl_->join.add(labels);
 }
 
 const Understood* Understanding::step() {
-  if (impl_->waiting.empty()) return nullptr;
-  View& view = impl_->waiting.front();
-  const LabelFrame* labels = nullptr;
-  if (!impl_->geometric()) {
-    while (!impl_->pending_labels.empty() && impl_->pending_labels.front().stamp < view.stamp()) impl_->pending_labels.pop_front();
-    if (impl_->pending_labels.empty() && !impl_->stopped_waiting) return nullptr;
-    if (!impl_->pending_labels.empty() && impl_->pending_labels.front().stamp == view.stamp()) labels = &impl_->pending_labels.front();
-    ++(labels != nullptr ? impl_->counts.joined : impl_->counts.missing);
-  }
-  impl_->understand(view, labels);
-  impl_->spare.push_back(std::move(view));
-  impl_->waiting.pop_front();
+  const LabelledView* next = impl_->join.next();
+  if (next == nullptr) return nullptr;
+  impl_->understand(next->view, next->labelled ? &next->labels : nullptr);
   return &impl_->done;
 }
 
 void Understanding::stop_waiting() {
-  impl_->stopped_waiting = true;
+  impl_->join.stop_waiting();
 }
 
 const Understood& Understanding::finish() {
@@ -146,7 +136,7 @@ const std::vector<ObjectRecord>& Understanding::objects() const {
   return impl_->records;
 }
 const LabelCounts& Understanding::labels() const {
-  return impl_->counts;
+  return impl_->join.counts();
 }
 
 void Understanding::mesh(Mesh& mesh) {

@@ -27,15 +27,6 @@ std::array<Part, kClassIds> parts_of(const ClassTable& table) {
   return parts;
 }
 
-std::array<bool, kClassIds> known_ids(const ClassTable& table) {
-  std::array<bool, kClassIds> known{};
-  known[0] = true;  // unlabelled
-  for (const ObjectClass& row : table.classes) {
-    if (row.id < kClassIds) known[row.id] = true;
-  }
-  return known;
-}
-
 std::int64_t key_of(const Eigen::Vector3d& p, double spacing_m) {
   const auto index = [&](double v) { return static_cast<std::int64_t>(std::floor(v / spacing_m)) & 0x1FFFFF; };
   return index(p.x()) | (index(p.y()) << 21) | (index(p.z()) << 42);
@@ -191,8 +182,6 @@ const Extraction& Extractor::from_classes(const ImageU8& classes, const ClassTab
   EXPECTS(classes.width() == view.camera.width && classes.height() == view.camera.height);
   impl_->result = {};
   const auto parts = parts_of(table);
-  const auto known = known_ids(table);
-  for (const std::uint8_t id : classes.pixels()) impl_->result.unknown_pixels += known[id] ? 0 : 1;
   impl_->fill_cells(classes, view, [&](std::uint8_t id) { return parts[id] == Part::thing; });
   impl_->write_structure(
       classes, [&](std::uint8_t id) { return parts[id] == Part::structure; }, view);

@@ -12,7 +12,6 @@ namespace povslam {
 
 struct Extraction {
   std::vector<Observation> observations;  // Observation::owner = kFirstInstance + index
-  std::int64_t unknown_pixels = 0;        // whose class the table does not have
 };
 
 class Extractor {

@@ -27,6 +27,15 @@ bool may_be_seen(const Box& box, const DepthView& view, double max_depth_m) {
          p.y() / z > -up - slack_y;
 }
 
+double shape_weight(const MapObject& object) {
+  return std::min(kShapeLooks, kShapeShare * object.looks);
+}
+
+double look_weight(double depth_m, const IntegrateOptions& options) {
+  const double sigma = std::hypot(options.depth_sigma_floor_m, options.depth_sigma_quadratic_per_m * depth_m * depth_m);
+  return std::min(1.0, kGoodSigma_m * kGoodSigma_m / (sigma * sigma));
+}
+
 double farthest_m(const DepthView& view) {
   float most = 0.0F;
   for (const float z : view.depth_m.pixels()) most = std::max(most, z);
@@ -125,7 +134,8 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
                                     ? match.registration.T_fitted_observed.inverse() * object.T_world_volume
                                     : object.T_world_volume;
   integrate(object.volume, view, match.owner, T_world_volume, integrate_options_);
-  refresh_shape(object, std::min<double>(kShapeWeight, 0.5 * object.observations), kAssumedDepth);
+  object.looks += look_weight(first.median_depth_m, integrate_options_);
+  refresh_shape(object, shape_weight(object), kAssumedDepth);
 }
 
 // Absence is believed where the camera saw through the object's place; what still stands and was only not told apart
@@ -155,7 +165,8 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   object->first_seen = object->last_seen = view.stamp;
   object->observations = 1;
   integrate(object->volume, view, owner, object->T_world_volume, integrate_options_);
-  refresh_shape(*object, 0.25, kAssumedDepth);
+  object->looks = look_weight(observation.median_depth_m, integrate_options_);
+  refresh_shape(*object, shape_weight(*object), kAssumedDepth);
   if (std::ssize(object->surface) < options_.extract.min_points / 2) return;
   object_of_owner_[owner] = object->id;
   objects_.push_back(std::move(object));
@@ -163,6 +174,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
 
 void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
   if (object.phase != ObjectPhase::tentative || object.observations < options_.life.confirm_views) return;
+  if (std::ssize(object.surface) < options_.extract.min_points) return;
   object.phase = ObjectPhase::confirmed;
   int was_empty = 0, points = 0;
   for (const SurfacePoint& point : object.surface) {
@@ -197,7 +209,7 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
     const bool young = b->phase == ObjectPhase::tentative;
     if (gone || (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap)) continue;
     merge_into(*a, *b);
-    refresh_shape(*a, 1.0, kAssumedDepth);
+    refresh_shape(*a, shape_weight(*a), kAssumedDepth);
     merged.push_back(b->id);
   }
   for (const std::int64_t id : merged) {

@@ -49,6 +49,7 @@ void merge_into(MapObject& a, const MapObject& b) {
   a.first_seen = std::min(a.first_seen, b.first_seen);
   a.last_seen = std::max(a.last_seen, b.last_seen);
   a.observations += b.observations;
+  a.looks += b.looks;
 }
 
 }  // namespace povslam

@@ -30,6 +30,7 @@ struct MapObject {
   std::optional<TimeNs> first_absent, last_absent;  // since it was last seen in its place
   std::optional<TimeNs> empty_first, empty_last;    // its place was seen empty before it came
   int observations = 0;
+  double looks = 0.0;      // sum over its views of a look's weight at its depth (kGoodSigma_m)
   bool announced = false;  // an event told that it is here, or it was here first
 
   std::uint16_t class_id() const;  // the most voted, the lower id of equals

@@ -3,7 +3,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/base/log.hpp"
 #include "tools/povslam/mesh_ply.hpp"
+#include "tools/povslam/object_picture.hpp"
 
 namespace povslam {
 namespace {
@@ -60,6 +62,9 @@ Status write_objects(const std::filesystem::path& out, const ReplayRecord& recor
   list << Json{{"objects", objects}}.dump(1) << '\n';
   list.close();
   if (!list) return Error{(out / "objects.json").string() + ": cannot be written; is the disk full?"};
+  if (const Status drawn = draw_objects(out / "objects.png", record); !drawn) {
+    log::warn("objects.png: {}", drawn.error().message);
+  }
   return write_mesh_ply(out / "map.ply", record.mesh);
 }
 
