@@ -81,7 +81,8 @@ LabelSocket::LabelSocket(LabelSocketOptions options, FileDescriptor listener, Fi
       listener_(std::move(listener)),
       wake_(std::move(wake)),
       ring_(ring),
-      counters_(counters) {}
+      counters_(counters),
+      silence_(options_.path, options_.silence) {}
 
 LabelSocket::~LabelSocket() {
   client_.reset();
@@ -106,7 +107,7 @@ void LabelSocket::step() {
   const TimeNs now = monotonic_now();
   if (client_) serve(now, readable);
   if (at_door) accept_one(now);
-  watch_silence(now);
+  silence_.watch(counters_, now);
 }
 
 void LabelSocket::wait_for_events(bool& at_door, bool& readable) {
@@ -172,22 +173,6 @@ void LabelSocket::dismiss(const std::string& reason, TimeNs now) {
   }
   counters_.connected.store(false, std::memory_order_relaxed);
   client_.reset();
-}
-
-void LabelSocket::watch_silence(TimeNs now) {
-  const std::int64_t labels = counters_.labels.load(std::memory_order_relaxed);
-  const std::int64_t offered = counters_.offered.load(std::memory_order_relaxed);
-  if (labels != labels_seen_) unanswered_since_ = 0;
-  if (offered != offered_seen_ && unanswered_since_ == 0) unanswered_since_ = now;
-  labels_seen_ = labels;
-  offered_seen_ = offered;
-  const bool silent = unanswered_since_ != 0 && now - unanswered_since_ > options_.silence;
-  if (silent == counters_.silent.exchange(silent, std::memory_order_relaxed)) return;
-  if (silent) {
-    log::warn("labels: none for {:.0f} s from the source at {}", to_seconds(options_.silence), options_.path);
-  } else {
-    log::info("labels: they come again");
-  }
 }
 
 }  // namespace povslam

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "daemon/label_client.hpp"
+#include "daemon/label_silence.hpp"
 #include "pipeline/base/latest.hpp"
 
 namespace povslam {
@@ -43,7 +44,6 @@ class LabelSocket {
   void accept_one(TimeNs now);
   void serve(TimeNs now, bool readable);
   void dismiss(const std::string& reason, TimeNs now);
-  void watch_silence(TimeNs now);
 
   LabelSocketOptions options_;
   FileDescriptor listener_, wake_;
@@ -53,8 +53,7 @@ class LabelSocket {
   std::optional<LabelClient> client_;
   TimeNs paused_until_ = 0;
   std::string last_reason_;
-  std::int64_t offered_seen_ = 0, labels_seen_ = 0;
-  TimeNs unanswered_since_ = 0;
+  LabelSilence silence_;
 };
 
 }  // namespace povslam
