@@ -8,6 +8,7 @@ namespace povslam {
 namespace {
 
 constexpr std::size_t kPoseRing = 256;  // 8 s at 30 Hz: what a stalled publisher may hold back
+constexpr std::size_t kWorldReports = 1024;
 constexpr std::size_t kJobRing = 8;     // the pipeline asks for one of a kind at a time
 constexpr std::size_t kChangeRing = 2;  // and hands out one change
 
@@ -52,7 +53,7 @@ Result<std::unique_ptr<App>> App::start(const AppConfig& config, AppOptions opti
 App::App(const AppConfig& config, AppOptions options, DriverSetup setup, std::optional<OpenedStore> map)
     : setup_(std::move(setup)),
       frames_(config.daemon.frame_slots),
-      poses_(kPoseRing),
+      reports_(kPoseRing, kWorldReports),
       asked_(kJobRing),
       solved_(kJobRing),
       changes_taken_(kChangeRing),
@@ -62,15 +63,16 @@ App::App(const AppConfig& config, AppOptions options, DriverSetup setup, std::op
                                            map && map->content.meta.next_keyframe > 0 ? &map->content : nullptr)) {
   counters_.store_used = map.has_value();
   counters_.store_replaced = map && !map->quarantined.empty();
-  reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s)}, options.sinks,
-                    poses_, counters_);
+  reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s),
+                                    .objects_period = from_seconds(config.daemon.objects_period_s)},
+                    options.sinks, reports_, counters_);
   backend_.emplace(asked_, solved_, config.pipeline.backend, counters_);
   ChangeOutlet outlet;
   if (map) {
     store_.emplace(std::move(map->store), changes_taken_, changes_stored_, counters_);
     outlet = {&changes_taken_, &changes_stored_};
   }
-  tracking_.emplace(*pipeline_, frames_, poses_, asked_, solved_, outlet, counters_, options.probe);
+  tracking_.emplace(*pipeline_, frames_, reports_.poses, asked_, solved_, outlet, counters_, options.probe);
   reporter_->watch(&*tracking_);
   options.sensor.name = config.sensors[0].name;
   sensor_.emplace(options.sensor, std::move(options.driver), setup_, frames_, counters_, std::move(options.on_end));

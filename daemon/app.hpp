@@ -54,7 +54,7 @@ class App {
   DriverSetup setup_;
   Counters counters_;
   FrameExchange frames_;
-  PoseRing poses_;
+  ReportRings reports_;
   JobRing asked_, solved_;
   ChangeRing changes_taken_, changes_stored_;
   std::unique_ptr<Pipeline> pipeline_;

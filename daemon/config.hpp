@@ -49,9 +49,10 @@ struct LogConfig {
 };
 
 struct DaemonConfig {
-  int frame_slots = 6;           // frames in flight between a sensor and tracking
-  double health_period_s = 1.0;  // also how often the watchdog is fed
-  bool exit_at_end = true;       // stop once a source that ends (a recording) has ended
+  int frame_slots = 6;            // frames in flight between a sensor and tracking
+  double health_period_s = 1.0;   // also how often the watchdog is fed
+  double objects_period_s = 2.0;  // between two lists of all objects
+  bool exit_at_end = true;        // stop once a source that ends (a recording) has ended
 };
 
 struct MapConfig {

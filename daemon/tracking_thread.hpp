@@ -7,7 +7,7 @@
 
 #include "daemon/counters.hpp"
 #include "daemon/frame_exchange.hpp"
-#include "daemon/sink.hpp"
+#include "daemon/report_rings.hpp"
 #include "pipeline/pipeline.hpp"
 
 namespace povslam {
@@ -18,7 +18,6 @@ struct TrackingProbe {
   void (*pose_handed_over)() = nullptr;
 };
 
-using PoseRing = SpscRing<TrackedFrame>;
 using JobRing = SpscRing<BackendJob>;
 using ChangeRing = SpscRing<MapChange*>;
 
