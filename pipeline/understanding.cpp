@@ -9,6 +9,8 @@
 namespace povslam {
 namespace {
 
+constexpr double kMeshWeight = 0.1;  // looks: one from 3 m is a fifth
+
 float ms(TimeNs span) {
   return static_cast<float>(to_ms(span));
 }
@@ -90,7 +92,7 @@ struct Understanding::Impl {
   Volume structure;
   EmptySpace empty;
   ObjectLibrary library;
-  MeshCache structure_mesh;
+  MeshCache structure_mesh{kMeshWeight};
   DepthView seen;
   ImageU8 class_image;
   ImageU16 instances;
@@ -144,7 +146,7 @@ void Understanding::mesh(Mesh& mesh) {
   impl_->structure_mesh.append_to(mesh, Rigid3{});
   for (const auto& object : impl_->library.objects()) {
     if (object->phase != ObjectPhase::confirmed) continue;
-    MeshCache cache;
+    MeshCache cache(kMeshWeight);
     cache.update(object->volume);
     cache.append_to(mesh, object->T_world_volume);
   }

@@ -34,7 +34,7 @@ double cost_of_another_side(const Observation& observation, const MapObject& obj
 Claim claim(const Observation& observation, const MapObject& object, const AssociateOptions& options) {
   Claim out;
   if (!near(observation, object, options)) return out;
-  if (observation.class_id != object.class_id()) return out;  // lambda_3 is a veto
+  if (observation.class_id != object.class_id()) return out;  // POCD: cost 1000, which is a veto
   out.registration = register_points(observation, object.volume, object.T_world_volume, options.inlier_m);
   const Registration& fit = out.registration;
   const double known = static_cast<double>(fit.known), inliers = static_cast<double>(fit.inliers);
@@ -76,13 +76,24 @@ Association associate(std::span<const Observation> observations, std::span<const
   }
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<int> all;  // objects whose known surface this observation lies on
+    int beside = -1;       // the matched one that it most likely is another side of
     for (std::size_t j = 0; j < m; ++j) {
-      if (claims[i * m + j].in_place) all.push_back(static_cast<int>(j));
+      const Claim& made = claims[i * m + j];
+      if (made.in_place) all.push_back(static_cast<int>(j));
+      if (made.in_place || made.cost >= kForbidden || match_of[j] < 0) continue;
+      if (beside < 0 || made.cost < claims[i * m + static_cast<std::size_t>(beside)].cost) beside = static_cast<int>(j);
     }
     for (std::size_t a = 0; a < all.size(); ++a) {
       for (std::size_t b = a + 1; b < all.size(); ++b) out.one_seen_as.emplace_back(all[a], all[b]);
     }
-    if (object_of[i] < 0 && all.empty()) out.unclaimed.push_back(static_cast<int>(i));
+    if (object_of[i] < 0 && all.empty()) {
+      if (beside < 0) {
+        out.unclaimed.push_back(static_cast<int>(i));
+      } else {
+        out.matches[static_cast<std::size_t>(match_of[static_cast<std::size_t>(beside)])].observations.push_back(
+            static_cast<int>(i));
+      }
+    }
     for (const int j : all) {
       if (j == object_of[i]) continue;
       const auto object = static_cast<std::size_t>(j);

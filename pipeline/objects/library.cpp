@@ -11,9 +11,11 @@
 namespace povslam {
 namespace {
 
-constexpr double kShapeWeight = 2.0;   // looks that make a surface point count
-constexpr double kAssumedDepth = 0.7;  // see refresh_shape
+constexpr double kShapeLooks = 0.5;    // that make a surface point count…
+constexpr double kShapeShare = 0.3;    // …or this share of all, of a thing hardly seen
+constexpr double kAssumedDepth = 1.0;  // see refresh_shape
 constexpr TimeNs kEmptyBefore = kNsPerSecond;
+constexpr std::size_t kOldPlaces = 256;
 
 bool may_be_seen(const Box& box, const DepthView& view, double max_depth_m) {
   const Eigen::Vector3d p = view.T_world_camera.inverse() * box.center;
@@ -99,8 +101,8 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
     step.changed.push_back(object.id);
   }
   for (std::size_t u = 0; u < association.unclaimed.size(); ++u) {
-    start(extraction.observations[static_cast<std::size_t>(association.unclaimed[u])], association.unclaimed_owner[u],
-          view);
+    const Observation& unclaimed = extraction.observations[static_cast<std::size_t>(association.unclaimed[u])];
+    if (!inside_known(unclaimed, reach)) start(unclaimed, association.unclaimed_owner[u], view);
   }
   merge_duplicates(association, reach, step);
   drop_unbelieved(view.stamp, step);
@@ -172,29 +174,53 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   objects_.push_back(std::move(object));
 }
 
+// What lies within an object that still stands is a part of it that was not told to be.
+bool ObjectLibrary::inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const {
+  constexpr double kGrow_m = 0.05;
+  for (const MapObject* object : reach) {
+    if (object->phase != ObjectPhase::confirmed || object->first_absent) continue;
+    if (object->class_id() != observation.class_id) continue;
+    const Box box = object->box_world();
+    std::size_t inside = 0;
+    for (const Eigen::Vector3f& p : observation.points_world) inside += box.contains(p.cast<double>(), kGrow_m) ? 1 : 0;
+    if (2 * inside > observation.points_world.size()) return true;
+  }
+  return false;
+}
+
+// Of its surface, what stands in space that was seen empty before it was first seen. Where another thing stood until
+// it went, space was not empty, but nothing else can have stood there either.
+double ObjectLibrary::share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const {
+  int came = 0, points = 0;
+  for (const SurfacePoint& point : object.surface) {
+    constexpr float kInside_m = 0.1F;  // a cell of which all lies within the object
+    const Eigen::Vector3d p = object.T_world_volume * (point.p_volume - kInside_m * point.normal).cast<double>();
+    ++points;
+    const bool stood_other = std::ranges::any_of(
+        old_places_, [&](const OldPlace& place) { return place.gone <= object.last_seen && place.box.contains(p); });
+    const auto seen = empty.at(p);
+    const bool was_empty = seen && seen->times >= 3 && seen->last <= object.first_seen - kEmptyBefore;
+    came += stood_other || was_empty ? 1 : 0;
+    if (!was_empty) continue;
+    evidence.first_absent = std::min(evidence.first_absent.value_or(seen->first), seen->first);
+    evidence.last_absent = std::max(evidence.last_absent.value_or(seen->last), seen->last);
+  }
+  return static_cast<double>(came) / std::max(points, 1);
+}
+
 void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
   if (object.phase != ObjectPhase::tentative || object.observations < options_.life.confirm_views) return;
   if (std::ssize(object.surface) < options_.extract.min_points) return;
   object.phase = ObjectPhase::confirmed;
-  int was_empty = 0, points = 0;
-  for (const SurfacePoint& point : object.surface) {
-    constexpr float kInside_m = 0.1F;  // a cell of which all lies within the object
-    const Eigen::Vector3f p = point.p_volume - kInside_m * point.normal;
-    const auto seen = empty.at(object.T_world_volume * p.cast<double>());
-    ++points;
-    if (!seen || seen->times < 3 || seen->last > object.first_seen - kEmptyBefore) continue;
-    ++was_empty;
-    object.empty_first = std::min(object.empty_first.value_or(seen->first), seen->first);
-    object.empty_last = std::max(object.empty_last.value_or(seen->last), seen->last);
-  }
-  if (was_empty < options_.life.empty_share * points) {
+  Evidence evidence;
+  if (share_that_came(object, empty, evidence) < options_.life.empty_share) {
     object.announced = true;  // it may have been here all along
     return;
   }
   PlaceChange change = change_of(object, object.last_seen);
   change.probability = object.belief.expected_consistency();
-  change.evidence.first_absent = object.empty_first;
-  change.evidence.last_absent = object.empty_last;
+  change.evidence.first_absent = evidence.first_absent;
+  change.evidence.last_absent = evidence.last_absent;
   desk_.came(std::move(change));
   object.announced = true;
 }
@@ -233,6 +259,8 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     change.evidence.first_absent = object->first_absent;
     change.evidence.last_absent = object->last_absent;
     desk_.gone(std::move(change));
+    old_places_.push_back({object->box_world(), now});
+    if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
   }
   for (const std::int64_t id : dropped) erase(id, step);
 }

@@ -45,6 +45,8 @@ class ObjectLibrary {
   void take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
             const SurfaceLook& look);
   void miss(MapObject& object, const SurfaceLook& look, TimeNs now);
+  bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const;
+  double share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const;
   void start(const Observation& observation, std::uint16_t owner, const DepthView& view);
   void confirm(MapObject& object, const EmptySpace& empty);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
@@ -69,6 +71,11 @@ class ObjectLibrary {
     std::int32_t slot = -1;
   };
   std::unordered_map<std::int64_t, Owned> owner_of_landmark_;
+  struct OldPlace {  // of an object that went
+    Box box;
+    TimeNs gone = 0;
+  };
+  std::vector<OldPlace> old_places_;                            // the latest
   std::vector<std::pair<std::int64_t, std::int64_t>> renamed_;  // came, gone: by the desk, in this step
 };
 

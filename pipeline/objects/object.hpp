@@ -28,7 +28,6 @@ struct MapObject {
 
   TimeNs first_seen = 0, last_seen = 0;
   std::optional<TimeNs> first_absent, last_absent;  // since it was last seen in its place
-  std::optional<TimeNs> empty_first, empty_last;    // its place was seen empty before it came
   int observations = 0;
   double looks = 0.0;      // sum over its views of a look's weight at its depth (kGoodSigma_m)
   bool announced = false;  // an event told that it is here, or it was here first

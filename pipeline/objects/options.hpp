@@ -28,7 +28,6 @@ struct AssociateOptions {
   double min_known_share = 0.10;    // of the observation's points that must fall where the model knows the surface
   double max_shift_m = 0.12;        // registered further than this from where it stood, it is not in its place…
   double max_turn_rad = 0.15;       // …likewise
-  double class_cost = 1000.0;       // lambda_3
 };
 
 struct LifeOptions {

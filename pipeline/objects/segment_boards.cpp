@@ -78,8 +78,8 @@ bool BoardFinder::mark_part(int, const std::vector<std::size_t>& cells, const Se
         if (next >= columns || next > last + 1 + kBridged) break;
         last = next;
       }
-      const float length = std::hypot(column_x_[base + last] - column_x_[base + c],
-                                      column_y_[base + last] - column_y_[base + c]);
+      const float length =
+          std::hypot(column_x_[base + last] - column_x_[base + c], column_y_[base + last] - column_y_[base + c]);
       if (length >= least_length) {
         for (std::size_t k = c; k <= last; ++k) on_run[base + k] = 1;
         longest[static_cast<std::size_t>(bin)] = std::max(longest[static_cast<std::size_t>(bin)], length);
@@ -98,7 +98,9 @@ bool BoardFinder::mark_part(int, const std::vector<std::size_t>& cells, const Se
     while (end < bins_ && longest[static_cast<std::size_t>(end)] >= least_length) ++end;
     const bool board = end - bin <= thickest;
     for (int b = bin; b < end; ++b) {
-      if (!board) std::fill_n(on_run.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(b) * columns), columns, std::uint8_t{0});
+      if (!board)
+        std::fill_n(on_run.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(b) * columns), columns,
+                    std::uint8_t{0});
     }
     found |= board;
     bin = end;

@@ -22,10 +22,10 @@ class BoardFinder {
   bool mark_part(int part, const std::vector<std::size_t>& cells, const SegmentOptions& options, SegmentGrid& grid);
   void find_runs(const std::vector<std::size_t>& cells, const SegmentGrid& grid);
 
-  std::vector<std::vector<std::size_t>> cells_;     // of each part
-  std::vector<float> column_x_, column_y_;          // of each bin and column: a point there
+  std::vector<std::vector<std::size_t>> cells_;  // of each part
+  std::vector<float> column_x_, column_y_;       // of each bin and column: a point there
   std::vector<std::uint8_t> there_;
-  std::vector<std::vector<Run>> runs_;              // of each bin: the long ones
+  std::vector<std::vector<Run>> runs_;  // of each bin: the long ones
   float bottom_ = 0.0F;
   int bins_ = 0;
 };

@@ -4,8 +4,8 @@ namespace povslam {
 
 namespace {
 
-constexpr float kMost = 0.6F;         // share of the area
-constexpr float kCutTall = 0.65F;     // of tall_m, for what leaves the image at its top
+constexpr float kMost = 0.6F;      // share of the area
+constexpr float kCutTall = 0.65F;  // of tall_m, for what leaves the image at its top
 
 bool rises_too_high(const PartMeasure& part, const SegmentOptions& options) {
   const float height = part.top_m - part.bottom_m;
@@ -19,7 +19,9 @@ bool is_wall(const PartMeasure& part, const SegmentOptions& options) {
 }
 
 // A shelf's underside, a ceiling.
-bool hangs_over(const PartMeasure& part) { return part.down > kMost; }
+bool hangs_over(const PartMeasure& part) {
+  return part.down > kMost;
+}
 
 // What the eye takes for background: flat, and bounded by things that stand before it.
 bool is_background(const PartMeasure& part, const SegmentOptions& options) {
