@@ -24,9 +24,8 @@ Number number_at(std::span<const std::uint8_t> bytes, std::size_t offset) {
 
 template <class Number>
 void append(Number number, std::vector<std::uint8_t>& out) {
-  std::uint8_t bytes[sizeof(Number)];
-  std::memcpy(bytes, &number, sizeof number);
-  out.insert(out.end(), bytes, bytes + sizeof number);
+  out.resize(out.size() + sizeof number);
+  std::memcpy(out.data() + out.size() - sizeof number, &number, sizeof number);
 }
 template <class Pixel>
 void append(const Image<Pixel>& image, std::vector<std::uint8_t>& out) {

@@ -37,8 +37,8 @@ class LabelPeer {
 
   template <class Number>
   static void put(Bytes& bytes, Number number) {
-    const auto* begin = reinterpret_cast<const std::uint8_t*>(&number);
-    bytes.insert(bytes.end(), begin, begin + sizeof number);
+    bytes.resize(bytes.size() + sizeof number);
+    std::memcpy(bytes.data() + bytes.size() - sizeof number, &number, sizeof number);
   }
   static Bytes message(LabelMessage type, const Bytes& content) {
     Bytes bytes = {'P', 'V', 'L', 'B'};
@@ -51,7 +51,7 @@ class LabelPeer {
   static Bytes hello(const std::string& table, std::uint32_t flags = 0) {
     Bytes content;
     put(content, flags);
-    content.insert(content.end(), table.begin(), table.end());
+    for (const char c : table) content.push_back(static_cast<std::uint8_t>(c));
     return message(LabelMessage::hello, content);
   }
   static Bytes next() { return message(LabelMessage::next, {}); }

@@ -313,6 +313,9 @@ TEST_F(Recording, OfTheWarehouseDataSetIsReadAsItIs) {
   EXPECT_EQ(r.frames.front(), "rgbd 0 1600000000000 ms");
   EXPECT_EQ(r.last.labels.classes.at(100, 100), 6);
   EXPECT_EQ(r.last.labels.table_name, "torwic");
+  ASSERT_TRUE(r.setup.label_table);
+  EXPECT_EQ(r.setup.label_table->name, "torwic");
+  EXPECT_TRUE(r.setup.label_table->classes.empty()) << "the built-in table of that name";
   EXPECT_THAT(r.bad, testing::Contains(HasSubstr("frame_times.txt:3: no stamp")));
   const Eigen::Vector3d axis_body = r.setup.sensors[0].T_body_sensor.rotation * Eigen::Vector3d::UnitZ();
   EXPECT_NEAR(std::atan2(axis_body.y(), axis_body.x()) * 57.2958, 26.0, 0.1) << "the left camera looks left of forward";
