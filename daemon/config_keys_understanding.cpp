@@ -5,9 +5,9 @@ namespace povslam {
 
 // An option added to these structs changes their size: give it a key below, then the new size here.
 static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 96 && sizeof(VolumeOptions) == 24 &&
-              sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 48 &&
+              sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 56 &&
               sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 72 &&
-              sizeof(UnderstandingOptions) == 472);
+              sizeof(UnderstandingOptions) == 480);
 
 std::vector<Key<AppConfig>> understanding_table() {
   return {
@@ -78,6 +78,8 @@ std::vector<Key<AppConfig>> understanding_table() {
 
       key("extract.erode_px", AT(pipeline.understanding.objects.extract.erode_px), 0, 50,
           "Of a thing in the image: depth is mixed at its border"),
+      key("extract.max_depth_m", AT(pipeline.understanding.objects.extract.max_depth_m), 0.1, 300.0,
+          "Further away things are not told apart"),
       key("extract.connect_m", AT(pipeline.understanding.objects.extract.connect_m), 0.001, 1.0,
           "Neighbouring pixels of a thing differ in depth by no more than this"),
       key("extract.connect_share", AT(pipeline.understanding.objects.extract.connect_share), 0.0, 0.5,

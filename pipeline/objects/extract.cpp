@@ -64,7 +64,8 @@ struct Extractor::Impl {
         for (int k = 0; k < 4; ++k) {
           const int u = 2 * x + (k & 1), v = 2 * y + (k >> 1);
           const float z = view.depth_m.at(u, v);
-          if (!(z > 0.0F) || !wanted(image.at(u, v)) || !uniform(image, u, v)) continue;
+          if (!(z > 0.0F) || static_cast<double>(z) > options.max_depth_m) continue;
+          if (!wanted(image.at(u, v)) || !uniform(image, u, v)) continue;
           value.at(x, y) = static_cast<std::uint16_t>(image.at(u, v));
           depth.at(x, y) = z;
           break;

@@ -4,6 +4,7 @@
 namespace povslam {
 
 struct ExtractOptions {
+  double max_depth_m = 6.0;       // further away things are not told apart
   int erode_px = 2;               // of the full image: depth is mixed at the borders of things
   double connect_m = 0.04;        // neighbouring pixels of a thing lie no further apart in depth than this…
   double connect_share = 0.015;   // …plus this share of their depth
@@ -37,7 +38,7 @@ struct LifeOptions {
   double visible_share = 0.20;       // theta_vis: of its surface seen through…
   int visible_points = 30;           // …and at least so many points, before absence is believed
   double margin_m = 0.10;            // clearly behind, clearly before
-  double empty_share = 0.5;          // of a new object's place that was seen empty before it came
+  double empty_share = 0.25;         // of a new object's surface, standing where it was seen empty before: it came
   double hold_s = 8.0;               // an event waits so long for its other half (gone and came make moved)
   double merge_overlap = 0.5;        // of the smaller box
 };
