@@ -35,8 +35,15 @@ void EventDesk::gone(PlaceChange change) {
 void EventDesk::came(PlaceChange change) {
   came_.push_back(std::move(change));
 }
+void EventDesk::found(PlaceChange change) {
+  found_.push_back(std::move(change));
+  constexpr std::size_t kRemembered = 256;
+  if (found_.size() > kRemembered) found_.erase(found_.begin());
+}
 void EventDesk::withdraw(std::int64_t object) {
-  std::erase_if(came_, [object](const PlaceChange& change) { return change.object == object; });
+  const auto is_it = [object](const PlaceChange& change) { return change.object == object; };
+  std::erase_if(came_, is_it);
+  std::erase_if(found_, is_it);
 }
 
 ObjectEvent EventDesk::make(ObjectEventType type, const PlaceChange& change, TimeNs now) {
@@ -63,28 +70,47 @@ bool EventDesk::alike(const PlaceChange& gone, const PlaceChange& came) const {
          ((same(a.x(), b.x()) && same(a.y(), b.y())) || (same(a.x(), b.y()) && same(a.y(), b.x())));
 }
 
-void EventDesk::decide(TimeNs now, std::vector<ObjectEvent>& events) {
-  for (auto to = came_.begin(); to != came_.end();) {
-    auto best = gone_.end();
-    double least = std::numeric_limits<double>::infinity();
-    for (auto from = gone_.begin(); from != gone_.end(); ++from) {
-      const double distance = (from->place.position - to->place.position).norm();
-      if (alike(*from, *to) && distance < least) least = distance, best = from;
+// The most alike in looks; one whose coming was not noticed must be it without doubt.
+std::vector<PlaceChange>::iterator EventDesk::origin_of(const PlaceChange& came, bool noticed) {
+  auto best = gone_.end();
+  double most = -1.0;
+  for (auto from = gone_.begin(); from != gone_.end(); ++from) {
+    if (!alike(*from, came)) continue;
+    const double looks = likeness(from->appearance, came.appearance);
+    const double distance_m = (from->place.position - came.place.position).norm();
+    if (!noticed && (looks < options_.min_likeness || distance_m > options_.max_unnoticed_m ||
+                     came.evidence.first_present <= from->evidence.last_present)) {
+      continue;
     }
-    if (best == gone_.end()) {
+    constexpr double kPerMetre = 0.05;  // of two that look the same, the nearer
+    if (looks - kPerMetre * distance_m > most) most = looks - kPerMetre * distance_m, best = from;
+  }
+  return best;
+}
+
+void EventDesk::pair_with_gone(std::vector<PlaceChange>& things, bool noticed, TimeNs now,
+                               std::vector<ObjectEvent>& events) {
+  for (auto to = things.begin(); to != things.end();) {
+    const auto from = origin_of(*to, noticed);
+    if (from == gone_.end()) {
       ++to;
       continue;
     }
     ObjectEvent event = make(ObjectEventType::moved, *to, now);
-    event.object = best->object;
-    event.from = best->place;
-    event.probability = best->probability * to->probability;
-    if (best->evidence.first_absent) event.evidence.first_absent = best->evidence.first_absent;
+    event.object = from->object;
+    event.from = from->place;
+    event.probability = from->probability * to->probability;
+    if (from->evidence.first_absent) event.evidence.first_absent = from->evidence.first_absent;
     events.push_back(std::move(event));
-    renamed_(to->object, best->object);
-    gone_.erase(best);
-    to = came_.erase(to);
+    renamed_(to->object, from->object);
+    gone_.erase(from);
+    to = things.erase(to);
   }
+}
+
+void EventDesk::decide(TimeNs now, std::vector<ObjectEvent>& events) {
+  pair_with_gone(came_, true, now, events);
+  pair_with_gone(found_, false, now, events);
   const TimeNs until = now - options_.hold;
   tell_old(gone_, until, [&](const PlaceChange& c) { events.push_back(make(ObjectEventType::removed, c, now)); });
   tell_old(came_, until, [&](const PlaceChange& c) { events.push_back(make(ObjectEventType::appeared, c, now)); });

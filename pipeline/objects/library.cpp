@@ -188,20 +188,29 @@ bool ObjectLibrary::inside_known(const Observation& observation, const std::vect
   return false;
 }
 
-// Of its surface, what stands in space that was seen empty before it was first seen. Where another thing stood until
-// it went, space was not empty, but nothing else can have stood there either.
+// Where another thing stood, or was seen not to stand any more, nothing else can have stood with it.
+bool ObjectLibrary::stands_in_old_place(const MapObject& object) const {
+  constexpr double kEnough = 0.15;
+  const Box box = object.box_world();
+  const auto in_the_way = [&](const Box& place) { return overlap(box, place).of_smaller > kEnough; };
+  return std::ranges::any_of(
+             old_places_,
+             [&](const OldPlace& old) { return old.last_present < object.first_seen && in_the_way(old.box); }) ||
+         std::ranges::any_of(objects_, [&](const auto& other) {
+           return other->first_absent && other->phase == ObjectPhase::confirmed &&
+                  other->last_seen < object.first_seen && in_the_way(other->box_world());
+         });
+}
+
+// Of its surface, what stands in space that was seen empty before it was first seen.
 double ObjectLibrary::share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const {
   int came = 0, points = 0;
   for (const SurfacePoint& point : object.surface) {
     constexpr float kInside_m = 0.1F;  // a cell of which all lies within the object
-    const Eigen::Vector3d p = object.T_world_volume * (point.p_volume - kInside_m * point.normal).cast<double>();
+    const auto seen = empty.at(object.T_world_volume * (point.p_volume - kInside_m * point.normal).cast<double>());
     ++points;
-    const bool stood_other = std::ranges::any_of(
-        old_places_, [&](const OldPlace& place) { return place.gone <= object.last_seen && place.box.contains(p); });
-    const auto seen = empty.at(p);
-    const bool was_empty = seen && seen->times >= 3 && seen->last <= object.first_seen - kEmptyBefore;
-    came += stood_other || was_empty ? 1 : 0;
-    if (!was_empty) continue;
+    if (!seen || seen->times < 3 || seen->last > object.first_seen - kEmptyBefore) continue;
+    ++came;
     evidence.first_absent = std::min(evidence.first_absent.value_or(seen->first), seen->first);
     evidence.last_absent = std::max(evidence.last_absent.value_or(seen->last), seen->last);
   }
@@ -213,16 +222,16 @@ void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
   if (std::ssize(object.surface) < options_.extract.min_points) return;
   object.phase = ObjectPhase::confirmed;
   Evidence evidence;
-  if (share_that_came(object, empty, evidence) < options_.life.empty_share) {
-    object.announced = true;  // it may have been here all along
-    return;
-  }
+  object.announced = true;
   PlaceChange change = change_of(object, object.last_seen);
   change.probability = object.belief.expected_consistency();
+  if (share_that_came(object, empty, evidence) < options_.life.empty_share && !stands_in_old_place(object)) {
+    desk_.found(std::move(change));
+    return;
+  }
   change.evidence.first_absent = evidence.first_absent;
   change.evidence.last_absent = evidence.last_absent;
   desk_.came(std::move(change));
-  object.announced = true;
 }
 
 void ObjectLibrary::merge_duplicates(const Association& association, const std::vector<MapObject*>& reach,
@@ -259,7 +268,7 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     change.evidence.first_absent = object->first_absent;
     change.evidence.last_absent = object->last_absent;
     desk_.gone(std::move(change));
-    old_places_.push_back({object->box_world(), now});
+    old_places_.push_back({object->box_world(), object->last_seen});
     if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
   }
   for (const std::int64_t id : dropped) erase(id, step);
@@ -302,6 +311,7 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   change.consistency = object.belief.expected_consistency();
   change.evidence.first_present = object.first_seen;
   change.evidence.last_present = object.last_seen;
+  change.appearance = appearance_of(object.volume);
   change.decided = now;
   return change;
 }

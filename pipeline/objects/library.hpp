@@ -46,6 +46,7 @@ class ObjectLibrary {
             const SurfaceLook& look);
   void miss(MapObject& object, const SurfaceLook& look, TimeNs now);
   bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const;
+  bool stands_in_old_place(const MapObject& object) const;
   double share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const;
   void start(const Observation& observation, std::uint16_t owner, const DepthView& view);
   void confirm(MapObject& object, const EmptySpace& empty);
@@ -73,7 +74,7 @@ class ObjectLibrary {
   std::unordered_map<std::int64_t, Owned> owner_of_landmark_;
   struct OldPlace {  // of an object that went
     Box box;
-    TimeNs gone = 0;
+    TimeNs last_present = 0;
   };
   std::vector<OldPlace> old_places_;                            // the latest
   std::vector<std::pair<std::int64_t, std::int64_t>> renamed_;  // came, gone: by the desk, in this step
