@@ -10,12 +10,13 @@
 namespace povslam {
 
 struct DistanceComparison {
-  int voxels = 0;                  // V: seen in both, within the truncation in at least one of them
+  int voxels = 0;                  // V: seen in both, within the truncation of the model's surface
   double mean_difference_m = 0.0;  // mean over V of |D_observed - D_model|
 };
 // Geometric change of an object without its factor lambda_diff (POCD as in the design's method 1.4). D_observed is the
 // projective distance of the view's pixel, of whichever owner; voxels behind a surface by more than the truncation are
-// hidden and do not count.
+// hidden and do not count. Nor do those that the model holds for free: there the surface would be a neighbour's, or the
+// floor.
 DistanceComparison compare_distances(const Volume& volume, const DepthView& view, const Rigid3& T_world_volume);
 
 struct SurfacePoint {

@@ -6,7 +6,7 @@ namespace {
 
 constexpr CubeEdge make_edge(int edge) {
   const int axis = edge / 4, u = edge & 1, v = edge >> 1 & 1;
-  const int low = axis == 0 ? 0 : 1, high = axis == 2 ? 1 : 2;  // the other two axes
+  const int low = axis == 0 ? 1 : 0, high = axis == 2 ? 1 : 2;  // the other two axes
   const int from = u << low | v << high;
   return {static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(from | 1 << axis),
           static_cast<std::uint8_t>(axis)};
@@ -41,7 +41,7 @@ constexpr std::array<int, 12> follow_borders(int inside) {
       while (is_inside(last + 1)) ++last;
       const auto corner = [&](int j) { return corners[static_cast<std::size_t>(j & 3)]; };
       const int enters = edge_between(corner(k), corner(k + 1)), leaves = edge_between(corner(last), corner(last + 1));
-      next[static_cast<std::size_t>(leaves)] = enters;
+      next[static_cast<std::size_t>(enters)] = leaves;
     }
   }
   return next;

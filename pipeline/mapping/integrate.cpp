@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/base/expects.hpp"
+#include "pipeline/mapping/block_patch.hpp"
 #include "pipeline/mapping/kernels/dispatch.hpp"
 #include "pipeline/mapping/visible_blocks.hpp"
 
@@ -112,7 +113,9 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
   pass.color = view.color.empty() ? nullptr : &view.color.at(box.x0, box.y0);
   pass.truncation_m = static_cast<float>(v.truncation_m);
   pass.units_per_m = static_cast<float>(kDistanceUnits / v.truncation_m);
-  pass.margin_m = static_cast<float>(v.voxel_size_m);
+  pass.margin_m = static_cast<float>(0.5 * v.voxel_size_m);
+  pass.behind_per_unit = static_cast<float>(
+      v.truncation_m / std::max(v.truncation_m - v.voxel_size_m, 0.25 * v.voxel_size_m) / kDistanceUnits);
   pass.color_units = static_cast<float>(2.0 * v.voxel_size_m * kDistanceUnits / v.truncation_m);
   pass.good_sigma2 = square(kGoodSigma_m);
   pass.quadratic2 = square(options.depth_sigma_quadratic_per_m);
@@ -122,13 +125,27 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
   return pass;
 }
 
-// Nothing in it is nearer to a surface than half the truncation.
-bool shows_no_surface(const VoxelBlock& block) {
-  bool near = false;
-  for (std::size_t k = 0; k < kBlockVoxels; ++k) {
-    near |= (block.weight[k] != 0) & (block.distance[k] < kDistanceUnits / 2);
+bool has_inside(const VoxelBlock& block) {  // behind some surface
+  bool any = false;
+  for (std::size_t k = 0; k < kBlockVoxels; ++k) any |= (block.weight[k] != 0) & (block.distance[k] < 0);
+  return any;
+}
+
+// Of the blocks whose last surface has gone, and their neighbours: those that no surface needs are given back.
+int remove_emptied(Volume& volume, const std::vector<BlockKey>& emptied) {
+  BlockPatch patch;
+  std::vector<BlockKey> useless;
+  for (const BlockKey& key : emptied) {
+    for (int k = 0; k < 27; ++k) {
+      const BlockKey near{key.x + k % 3 - 1, key.y + k / 3 % 3 - 1, key.z + k / 9 - 1};
+      const int index = volume.find(near);
+      if (index < 0 || has_inside(volume.block(index)) || patch.load(volume, index, 0.0)) continue;
+      useless.push_back(near);
+    }
   }
-  return !near;
+  const int before = volume.num_blocks();
+  for (const BlockKey& key : useless) volume.remove(key);
+  return before - volume.num_blocks();
 }
 
 }  // namespace
@@ -147,17 +164,16 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
   const VoxelProjection projection(volume, view.camera, visible.box, T_camera_volume);
   const Look look(view, owner, visible.box, kernels);
   const IntegratePass pass = make_pass(volume, view, options, visible.box, projection.rays(), look);
-  std::vector<BlockKey> gone;
+  std::vector<BlockKey> emptied;
   for (const int index : visible.indices) {
     VoxelBlock& block = volume.block(index);
     const Eigen::Vector3f origin = projection.origin(block.key);
     const unsigned outcome =
         kernels.integrate_block(&pass, origin.data(), block.distance.data(), block.weight.data(), block.color.data());
     if ((outcome & kBlockChanged) != 0) volume.mark_changed(index);
-    if ((outcome & kBlockEmptied) != 0 && shows_no_surface(block)) gone.push_back(block.key);
+    if ((outcome & kBlockEmptied) != 0 && !has_inside(block)) emptied.push_back(block.key);
   }
-  for (const BlockKey& key : gone) volume.remove(key);
-  report.blocks_removed = static_cast<int>(gone.size());
+  report.blocks_removed = remove_emptied(volume, emptied);
   return report;
 }
 

@@ -21,13 +21,13 @@ struct IntegrateReport {
   int blocks_in_view = 0;
   int blocks_made = 0;
   int blocks_refused = 0;  // the volume is full
-  int blocks_removed = 0;  // emptied: the last surface in them has gone
+  int blocks_removed = 0;  // the last surface in and beside them has gone
 };
 
 // Surfaces are taken from the owner's pixels only. Every pixel with depth, whoever's, empties the space before its
 // surface: voxels of blocks already there that lie more than the truncation before it; where all pixels around are
-// somebody else's, also those that tell of a surface of the owner's clearly (a voxel and 3 sigma) before it. The least
-// depth of the 5 x 5 pixels around counts, so that edges are not eaten away. What is hidden stays as it is.
+// somebody else's, also those that tell of a surface of the owner's clearly (half a voxel and 2 sigma) before it. The
+// least depth of the 5 x 5 pixels around counts, so that edges are not eaten away. What is hidden stays as it is.
 IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_world_volume,
                           const IntegrateOptions& options);
 

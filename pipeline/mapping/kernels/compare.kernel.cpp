@@ -14,7 +14,7 @@ CompareSum compare_block(const ComparePass* pass, const float* origin, const int
     const Floats depth = gather(pass->depth_m, rays.pixel, known);
     const Floats ahead = (depth - rays.depth_m) * fill(pass->units_per_m);
     const Floats observed = lesser(ahead, full), stored = load16(distance + voxel);
-    const Mask near = either(above(full, observed), above(full, magnitude(stored)));
+    const Mask near = above(full, magnitude(stored));
     const Mask counts = both(both(known, above(depth, zero)), both(near, at_least(ahead, zero - full)));
     alignas(64) int32_t difference[kLanes];
     store(difference, round_to_int(magnitude(observed - stored)));

@@ -5,12 +5,14 @@ namespace povslam::POVSLAM_ISA {
 namespace {
 
 constexpr float kFullUnits = 32000.0F;  // the truncation; as kDistanceUnits of volume.hpp
+constexpr float kFreeUnits = 0.9F * kFullUnits;
 
 struct Look {
-  Mask surface;     // the owner's surface is within the truncation
-  Mask empty;       // nothing of the owner's can be here
-  Mask free;        // of those: it is before what was measured
-  Floats observed;  // distance units
+  Mask surface;      // the owner's surface is within the truncation
+  Mask empty;        // nothing of the owner's can be here
+  Mask free;         // of those: it is before what was measured
+  Mask contradicts;  // the voxel tells of a surface that was seen through
+  Floats observed;   // distance units
 };
 
 POVSLAM_INLINE Floats sigma2(const IntegratePass& pass, Floats depth_m) {
@@ -18,8 +20,9 @@ POVSLAM_INLINE Floats sigma2(const IntegratePass& pass, Floats depth_m) {
   return z2 * z2 * fill(pass.quadratic2) + fill(pass.floor2);
 }
 
-// Space is empty where the view sees beyond by more than the truncation; where the surface seen is somebody else's, by
-// more than the margin beyond the surface that this voxel tells of is enough.
+// Space is empty where the view sees beyond by more than the truncation. A voxel behind a surface contradicts the view
+// if it sees clearly beyond that surface: by the margin and 2 sigma; if somebody else's surface is there, it is empty
+// too.
 POVSLAM_INLINE Look look_at_voxels(const IntegratePass& pass, const Rays& rays, Floats stored, Mask known) {
   const Floats truncation = fill(pass.truncation_m), zero = fill(0.0F);
   const Floats surface = gather(pass.surface_m, rays.pixel, rays.inside);
@@ -29,30 +32,36 @@ POVSLAM_INLINE Look look_at_voxels(const IntegratePass& pass, const Rays& rays, 
   Look look;
   look.surface = both(both(measured, not_hidden), at_least(truncation, ahead));
   look.observed = select(look.surface, ahead * fill(pass.units_per_m), fill(kFullUnits));
-  const Mask ask = but_not(but_not(rays.inside, look.surface), but_not(measured, not_hidden));
-  look.empty = look.free = but_not(ask, ask);
+  look.empty = look.free = look.contradicts = but_not(measured, measured);
+  const Mask behind = both(known, above(zero, stored));
+  const Mask visible = but_not(rays.inside, but_not(measured, not_hidden));
+  const Floats stored_m = stored * fill(1.0F / pass.units_per_m);
+  const Mask as_it_was = but_not(look.surface, both(behind, above(ahead - stored_m, fill(pass.margin_m))));
+  const Mask ask = but_not(visible, as_it_was);
   if (bits(ask) == 0) return look;
+
   const Floats clear = gather(pass.clear_m, rays.pixel, ask);
-  const Floats measured_to = magnitude(clear), beyond = measured_to - rays.depth_m;
-  const Mask far_before = both(ask, above(beyond, truncation));
-  const Mask others = both(both(ask, known), above(zero, clear));
-  const Floats past_surface = beyond - stored * fill(1.0F / pass.units_per_m) - fill(pass.margin_m);
-  const Mask positive = above(past_surface, zero);
-  const Mask through =
-      both(both(others, positive), above(past_surface * past_surface, fill(9.0F) * sigma2(pass, measured_to)));
-  look.empty = either(far_before, through);
+  const Floats clear_to = magnitude(clear), beyond = clear_to - rays.depth_m;
+  const Floats past = beyond - stored_m - fill(pass.margin_m);
+  const Mask past_surface = both(above(past, zero), above(past * past, fill(4.0F) * sigma2(pass, clear_to)));
+  const Mask others = both(both(known, above(zero, clear)), past_surface);
+  look.empty = both(but_not(ask, look.surface), either(above(beyond, truncation), others));
   look.free = both(look.empty, at_least(beyond, zero));
+  look.contradicts = both(behind, either(look.empty, both(look.surface, past_surface)));
   return look;
 }
 
-POVSLAM_INLINE Floats weight_units(const IntegratePass& pass, Floats depth_m) {
-  const Floats looks = lesser(fill(pass.good_sigma2) / sigma2(pass, depth_m), fill(1.0F));
+// Looks; behind the surface they count the less the further, for what lies there was not seen.
+POVSLAM_INLINE Floats weight_units(const IntegratePass& pass, Floats depth_m, Floats observed) {
+  const Floats from_full = observed + fill(kFullUnits);
+  const Floats seen = lesser(from_full * fill(pass.behind_per_unit), fill(1.0F));
+  const Floats looks = lesser(fill(pass.good_sigma2) / sigma2(pass, depth_m), fill(1.0F)) * seen;
   return greater(nearest(looks * fill(pass.units_per_look)), fill(1.0F));
 }
 
-// A colour moves by at least an eighth, or old looks would hold it for ever.
+// A colour moves by at least an eighth, or old looks would hold it for ever. Black: none yet.
 POVSLAM_INLINE void blend_color(const uint8_t* seen, int channels, float share, uint8_t* color) {
-  share = share > 0.125F ? share : 0.125F;
+  share = (color[0] | color[1] | color[2]) == 0 ? 1.0F : share > 0.125F ? share : 0.125F;
   for (int c = 0; c < 3; ++c) {
     const float have = color[c], want = seen[channels == 3 ? c : 0];
     color[c] = static_cast<uint8_t>(have + (want - have) * share + 0.5F);
@@ -88,17 +97,20 @@ unsigned integrate_block(const IntegratePass* pass, const float* origin, int16_t
     if (bits(touched) == 0) continue;
 
     // What contradicts an earlier surface halves its weight: the surface is gone after a few looks, however old it is.
-    const Mask contradicts = both(look.empty, above(zero, stored));
-    const Floats before = select(contradicts, round_down(looks * fill(0.5F)), looks);
-    const Floats added = select(either(look.surface, look.free), weight_units(*pass, rays.depth_m), zero);
+    const Floats before = select(look.contradicts, round_down(looks * fill(0.5F)), looks);
+    const Floats added =
+        select(either(look.surface, look.free), weight_units(*pass, rays.depth_m, look.observed), zero);
     const Floats sum = before + added;
     const Floats mean = nearest((stored * before + look.observed * added) / greater(sum, fill(1.0F)));
     const Floats new_distance = select(touched, mean, stored);
-    const Floats new_weight = select(touched, lesser(sum, fill(pass->max_weight_units)), looks);
+    // Space that was free for long has no more weight than one look gives it: a thing that comes is there soon.
+    const Mask still_free = both(look.free, above(stored, fill(kFreeUnits)));
+    const Floats most = select(still_free, greater(looks, fill(pass->units_per_look)), fill(pass->max_weight_units));
+    const Floats new_weight = select(touched, lesser(sum, most), looks);
     store16(distance + voxel, new_distance);
     store16(weight + voxel, new_weight);
     changed |= bits(either(but_not(touched, known), either(above(new_distance, stored), above(stored, new_distance))));
-    emptied |= bits(both(both(look.empty, known), above(fill(0.5F * kFullUnits), stored)));
+    emptied |= bits(both(look.contradicts, look.empty));
     if (pass->color == nullptr) continue;
     const Mask near = both(look.surface, above(fill(pass->color_units), magnitude(look.observed)));
     if (bits(near) != 0) color_voxels(*pass, rays, near, added / greater(sum, fill(1.0F)), color + 3 * voxel);

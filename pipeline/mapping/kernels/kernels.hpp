@@ -35,14 +35,15 @@ struct IntegratePass {  // the same for all blocks of a call
   int64_t color_stride;  // bytes
   int channels;          // 1 or 3
   float truncation_m;
-  float units_per_m;                      // of stored distance
-  float margin_m;                         // with 3 sigma: how far beyond a surface is clearly beyond
-  float color_units;                      // voxels this near to the surface take its colour
+  float units_per_m;      // of stored distance
+  float margin_m;         // with 2 sigma: how far beyond a surface is clearly beyond
+  float behind_per_unit;  // slope of the weight behind a surface: 0 at the truncation, full at the margin
+  float color_units;      // voxels this near to the surface take its colour
   float good_sigma2, quadratic2, floor2;  // [m^2, 1/m^2, m^2] weight of a look: good / (quadratic z^4 + floor)
   float units_per_look, max_weight_units;
 };
 
-// Of a block: some distance is another, or known now; some voxel near a surface was seen empty.
+// Of a block: some distance is another, or known now; some voxel behind a surface was seen empty.
 enum { kBlockChanged = 1, kBlockEmptied = 2 };
 
 struct ComparePass {

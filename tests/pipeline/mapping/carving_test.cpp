@@ -49,20 +49,21 @@ TEST(Carving, AStructureThatLeftVanishesWithinTenLooksHoweverOldItIs) {
   Volume volume({});
   look(volume, kStructure, {{kFloor, kBack, {kBox, kStructure}}}, 200);
   const Box upper{{1.9, -0.4, 0.1}, {2.5, 0.4, 0.7}};  // neither floor nor wall
-  ASSERT_GT(points_in(volume, upper, 0.0), 200);
+  ASSERT_GT(points_in(volume, upper, 0.0), 100);
   look(volume, kStructure, {{kFloor, kBack}}, 10);
   EXPECT_LT(points_in(volume, upper, 0.0), 5);
   look(volume, kStructure, {{kFloor, kBack}}, 10);
   EXPECT_EQ(points_in(volume, upper, 0.0), 0);
 }
 
+// Down to a voxel from the wall and the floor: there its surface cannot be told from theirs.
 TEST(Carving, AnObjectThatLeftVanishesThoughTheWallBehindItIsNear) {
   Volume volume({});
   look(volume, kThing, {{kFloor, kBack, {kBox, kThing}}}, 30);
-  const int before = points_in(volume, kBox, 0.1);
-  ASSERT_GT(before, 200);
+  const Box apart{{1.8, -0.5, 0.05}, {2.6, 0.5, 0.8}};
+  ASSERT_GT(points_in(volume, apart, 0.0), 100);
   look(volume, kThing, {{kFloor, kBack}}, 12);
-  EXPECT_LT(points_in(volume, kBox, 0.1), before / 20);
+  EXPECT_LT(points_in(volume, apart, 0.0), 5);
 }
 
 TEST(Carving, WhatIsHiddenBehindAnotherThingStaysAsItWas) {
@@ -99,16 +100,17 @@ TEST(Carving, AWrongLabelOnWhatStandsTakesNothingAway) {
 
 TEST(Carving, BlocksWithoutAnySurfaceLeftAreGivenBack) {
   Volume volume({});
-  look(volume, kThing, {{kFloor, kBack, {kBox, kThing}}}, 20);
-  const int before = volume.num_blocks();
-  look(volume, kThing, {{kFloor, kBack}}, 40);
-  EXPECT_LT(volume.num_blocks(), before / 2);
+  const Thing far_wall{Wall{{1.0, 0.0, 0.0}, 4.0}, kStructure}, ball{Ball{{2.2, 0.0, 0.5}, 0.3}, kThing};
+  look(volume, kThing, {{far_wall, ball}}, 20);
+  ASSERT_GT(volume.num_blocks(), 4);
+  look(volume, kThing, {{far_wall}}, 30);
+  EXPECT_EQ(volume.num_blocks(), 0);
 }
 
-TEST(Carving, AThingThatComesWhereSpaceWasFreeIsThereAtOnce) {
+TEST(Carving, AThingThatComesWhereSpaceWasFreeIsThereSoon) {
   Volume volume({});
   look(volume, kStructure, {{kFloor, kBack}}, 50);
-  look(volume, kStructure, {{kFloor, kBack, {kBox, kStructure}}}, 5);
+  look(volume, kStructure, {{kFloor, kBack, {kBox, kStructure}}}, 8);
   const Box front{{1.9, -0.25, 0.15}, {2.1, 0.25, 0.55}};
   EXPECT_GT(points_in(volume, front, 0.0), 50);
 }

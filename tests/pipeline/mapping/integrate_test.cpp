@@ -38,7 +38,7 @@ TEST(Integrate, FindsAWallWithinAFractionOfAVoxelInNoise) {
   const Error error = surface_error(volume, [](const Eigen::Vector3d& p) { return p.x() - 2.0; });
   EXPECT_GT(error.points, 1000);
   EXPECT_LT(error.mean_m, 0.003);
-  EXPECT_LT(error.worst_m, 0.02);
+  EXPECT_LT(error.worst_m, 0.03);
 }
 
 TEST(Integrate, FindsABallFromAllAround) {
