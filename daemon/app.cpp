@@ -9,8 +9,7 @@ namespace {
 
 constexpr std::size_t kPoseRing = 256;  // 8 s at 30 Hz: what a stalled publisher may hold back
 constexpr std::size_t kWorldReports = 1024;
-constexpr std::size_t kJobRing = 8;     // the pipeline asks for one of a kind at a time
-constexpr std::size_t kChangeRing = 2;  // and hands out one change
+constexpr std::size_t kJobRing = 8;  // the pipeline asks for one of a kind at a time
 
 Rigid3 start_of(const AppConfig& config, const AppOptions& options, const Rigid3& T_body_camera) {
   if (options.T_world_camera_start) return *options.T_world_camera_start * T_body_camera.inverse();
@@ -56,8 +55,6 @@ App::App(const AppConfig& config, AppOptions options, DriverSetup setup, std::op
       reports_(kPoseRing, kWorldReports),
       asked_(kJobRing),
       solved_(kJobRing),
-      changes_taken_(kChangeRing),
-      changes_stored_(kChangeRing),
       pipeline_(std::make_unique<Pipeline>(config.pipeline, setup_.sensors[0],
                                            start_of(config, options, T_body_camera()),
                                            map && map->content.meta.next_keyframe > 0 ? &map->content : nullptr)) {
@@ -67,12 +64,9 @@ App::App(const AppConfig& config, AppOptions options, DriverSetup setup, std::op
                                     .objects_period = from_seconds(config.daemon.objects_period_s)},
                     options.sinks, reports_, counters_);
   backend_.emplace(asked_, solved_, config.pipeline.backend, counters_);
-  ChangeOutlet outlet;
-  if (map) {
-    store_.emplace(std::move(map->store), changes_taken_, changes_stored_, counters_);
-    outlet = {&changes_taken_, &changes_stored_};
-  }
-  tracking_.emplace(*pipeline_, frames_, reports_.poses, asked_, solved_, outlet, counters_, options.probe);
+  if (map) store_.emplace(std::move(map->store), changes_, counters_);
+  tracking_.emplace(*pipeline_, frames_, reports_.poses, asked_, solved_, map ? &changes_.map : nullptr, counters_,
+                    options.probe);
   reporter_->watch(&*tracking_);
   options.sensor.name = config.sensors[0].name;
   sensor_.emplace(options.sensor, std::move(options.driver), setup_, frames_, counters_, std::move(options.on_end));
@@ -94,9 +88,9 @@ void App::stop() {
 // The pipeline hands a change out only when the one before is back.
 void App::store_rest() {
   if (store_ && store_->finish()) {
-    while (const auto change = changes_stored_.try_pop()) pipeline_->give_back(*change);
+    while (const auto change = changes_.map.stored.try_pop()) pipeline_->give_back(*change);
     if (MapChange* rest = pipeline_->collect_change()) {
-      if (store_->commit_rest(*rest)) pipeline_->give_back(rest);
+      if (store_->commit_rest(rest, nullptr)) pipeline_->give_back(rest);
     }
   }
   store_.reset();

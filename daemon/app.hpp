@@ -56,7 +56,7 @@ class App {
   FrameExchange frames_;
   ReportRings reports_;
   JobRing asked_, solved_;
-  ChangeRing changes_taken_, changes_stored_;
+  ChangeRings changes_;
   std::unique_ptr<Pipeline> pipeline_;
   std::optional<Reporter> reporter_;
   std::optional<BackendThread> backend_;

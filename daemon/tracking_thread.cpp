@@ -5,7 +5,7 @@
 namespace povslam {
 
 TrackingThread::TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked,
-                               JobRing& solved, ChangeOutlet changes, Counters& counters, TrackingProbe probe)
+                               JobRing& solved, ChangeWay<MapChange>* changes, Counters& counters, TrackingProbe probe)
     : pipeline_(pipeline),
       frames_(frames),
       poses_(poses),
@@ -54,11 +54,11 @@ void TrackingThread::ask_backend() {
 }
 
 void TrackingThread::hand_out_change() {
-  if (changes_.taken == nullptr) return;
-  while (const auto stored = changes_.stored->try_pop()) pipeline_.give_back(*stored);
+  if (changes_ == nullptr) return;
+  while (const auto stored = changes_->stored.try_pop()) pipeline_.give_back(*stored);
   MapChange* change = pipeline_.take_change();
   if (change == nullptr) return;
-  const bool taken = changes_.taken->try_push(std::move(change));
+  const bool taken = changes_->taken.try_push(std::move(change));
   EXPECTS(taken);  // given back unstored it would be forgotten; the ring holds as many as can be out at once
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "daemon/change_rings.hpp"
 #include "daemon/counters.hpp"
 #include "daemon/frame_exchange.hpp"
 #include "daemon/report_rings.hpp"
@@ -19,19 +20,12 @@ struct TrackingProbe {
 };
 
 using JobRing = SpscRing<BackendJob>;
-using ChangeRing = SpscRing<MapChange*>;
-
-// Changes of the map on their way to the disk and back; null: nobody stores it.
-struct ChangeOutlet {
-  ChangeRing* taken = nullptr;
-  ChangeRing* stored = nullptr;
-};
-
 class TrackingThread {
  public:
-  // asked: jobs to solve, solved: the answers. The pipeline is this thread's alone until it is destroyed.
+  // asked: jobs to solve, solved: the answers. changes: of the map, to the disk; null: nobody stores it. The pipeline
+  // is this thread's alone until it is destroyed.
   TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked, JobRing& solved,
-                 ChangeOutlet changes, Counters& counters, TrackingProbe probe);
+                 ChangeWay<MapChange>* changes, Counters& counters, TrackingProbe probe);
   ~TrackingThread();  // closes the exchange, tracks what is inside, joins
 
   TrackingThread(const TrackingThread&) = delete;
@@ -52,7 +46,7 @@ class TrackingThread {
   PoseRing& poses_;
   JobRing& asked_;
   JobRing& solved_;
-  ChangeOutlet changes_;
+  ChangeWay<MapChange>* changes_;
   Counters& counters_;
   TrackingProbe probe_;
   TrackedFrame out_;
