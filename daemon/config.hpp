@@ -62,10 +62,17 @@ struct MapConfig {
 // Where map.store says the map is; `state_folder`: what systemd gives a service ($STATE_DIRECTORY), or null.
 std::string store_file(const MapConfig& config, const char* state_folder);
 
+struct LabelConfig {
+  std::string socket;            // path a label source connects to; empty: off
+  std::string lcm_channel;       // empty: off
+  std::string classes = "auto";  // built-in table or file; auto: see choose_class_table()
+};
+
 struct AppConfig {
   LcmConfig lcm;
   LogConfig log;
   DaemonConfig daemon;
+  LabelConfig labels;
   PoseConfig start;  // T_world_body at the first frame
   MapConfig map;
   PipelineOptions pipeline;

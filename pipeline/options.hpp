@@ -4,7 +4,9 @@
 #include "pipeline/backend/close_loop.hpp"
 #include "pipeline/backend/smooth.hpp"
 #include "pipeline/frontend/options.hpp"
+#include "pipeline/mapping/empty_space.hpp"
 #include "pipeline/mapping/integrate.hpp"
+#include "pipeline/objects/options.hpp"
 #include "pipeline/objects/segment.hpp"
 
 namespace povslam {
@@ -24,6 +26,8 @@ struct UnderstandingOptions {
   VolumeOptions structure;
   VolumeOptions object{0.05, 0.2, 400};
   IntegrateOptions integrate;
+  EmptySpaceOptions empty;
+  ObjectOptions objects;
 };
 
 struct PipelineOptions {
