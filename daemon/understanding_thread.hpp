@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "daemon/change_rings.hpp"
-#include "daemon/label_ring.hpp"
+#include "daemon/label_sources.hpp"
 #include "daemon/thread_name.hpp"
 #include "daemon/understanding_outlet.hpp"
 #include "daemon/view_exchange.hpp"
@@ -22,7 +22,8 @@ namespace povslam {
 struct UnderstandingLinks {
   Doorbell& bell;  // rung for views, labels and changes that come back
   ViewExchange& views;
-  LabelRing& labels;
+  LabelRing& labels;                // of the sensor
+  LabelSources* sources = nullptr;  // other processes; null: none
   OwnerRing& owners;
   ReportRing& reports;
   ChangeWay<WorldChange>* changes = nullptr;  // to the disk; null: nobody stores
@@ -101,7 +102,9 @@ void BasicUnderstandingThread<Mind>::run() {
 template <class Mind>
 void BasicUnderstandingThread<Mind>::take_in() {
   while (const auto labels = links_.labels.try_pop()) mind_.add(*labels);
+  while (const auto labels = links_.sources == nullptr ? std::nullopt : links_.sources->try_pop()) mind_.add(*labels);
   while (View* view = links_.views.try_take()) {
+    if (links_.sources != nullptr) links_.sources->offer(view->frame);
     mind_.add(std::move(*view));
     links_.views.give_back();
   }
@@ -157,7 +160,6 @@ void BasicUnderstandingThread<Mind>::hand_out_change() {
   EXPECTS(change_is_out_);  // given back unstored it would be forgotten; the ring holds more than can be out
 }
 
-class Understanding;
 using UnderstandingThread = BasicUnderstandingThread<Understanding>;
 
 }  // namespace povslam

@@ -33,7 +33,8 @@ class UnderstandingThreadTest : public testing::Test {
   using Thread = BasicUnderstandingThread<FakeMind>;
 
   std::unique_ptr<Thread> start(ChangeWay<WorldChange>* changes = nullptr) {
-    return std::make_unique<Thread>(mind_, UnderstandingLinks{bell_, views_, labels_, owners_, reports_, changes});
+    return std::make_unique<Thread>(mind_,
+                                    UnderstandingLinks{bell_, views_, labels_, nullptr, owners_, reports_, changes});
   }
   // As tracking does: false when there is no room.
   bool hand_over(TimeNs stamp) {
@@ -202,7 +203,7 @@ TEST(UnderstandingOutlet, KeepsEventsAndOwnersUntilThereIsRoom) {
   UnderstandingOutlet outlet(reports, owners);
   std::vector<ObjectEvent> events(5);
   for (std::size_t i = 0; i < events.size(); ++i) events[i].seq = static_cast<std::int64_t>(i);
-  const std::vector<LandmarkOwner> changed{{1, 1}, {2, 1}, {3, 1}};
+  const std::vector<LandmarkOwner> changed{{1, 0, 1}, {2, 0, 1}, {3, 0, 1}};
   outlet.add(std::span<const ObjectEvent>(events));
   outlet.add(std::span<const LandmarkOwner>(changed));
   std::vector<std::int64_t> got, landmarks;

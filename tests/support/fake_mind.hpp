@@ -38,7 +38,7 @@ class FakeMind {
     waiting_.pop_front();
     done_.times.total_ms = 25.0F;
     make_events(events_each);
-    done_.owners = {{static_cast<std::int64_t>(objects_.size()), 7}};
+    done_.owners = {{static_cast<std::int64_t>(objects_.size()), 0, 7}};
     objects_.emplace_back();
     objects_.back().phase = objects_.size() % 2 == 1 ? ObjectPhase::confirmed : ObjectPhase::tentative;
     return &done_;
