@@ -5,8 +5,9 @@
 namespace povslam {
 
 Result<std::unique_ptr<LabelSources>> LabelSources::start(const LabelConfig& config, const LcmConfig& lcm,
-                                                          const std::string& table, const PinholeCamera& camera) {
-  std::unique_ptr<LabelSources> sources(new LabelSources);
+                                                          const std::string& table, const PinholeCamera& camera,
+                                                          Doorbell* bell) {
+  std::unique_ptr<LabelSources> sources(new LabelSources(bell));
   const LabelLimits limits{camera.width, camera.height};
   if (!config.socket.empty()) {
     LabelSocketOptions options;

@@ -15,9 +15,11 @@ namespace povslam {
 
 class LabelSources {
  public:
-  // table: name of the class table that choose_class_table() gave. camera: of the images.
+  // table: name of the class table that choose_class_table() gave. camera: of the images. bell: rung when labels come,
+  // outlives this; null: nobody sleeps for them.
   static Result<std::unique_ptr<LabelSources>> start(const LabelConfig& config, const LcmConfig& lcm,
-                                                     const std::string& table, const PinholeCamera& camera);
+                                                     const std::string& table, const PinholeCamera& camera,
+                                                     Doorbell* bell = nullptr);
 
   bool any() const { return socket_ != nullptr || lcm_ != nullptr; }
 
@@ -29,10 +31,10 @@ class LabelSources {
   const LabelSourceCounters& lcm() const { return lcm_counters_; }
 
  private:
-  LabelSources() = default;
+  explicit LabelSources(Doorbell* bell) : socket_ring_(kLabelRing, bell), lcm_ring_(kLabelRing, bell) {}
 
   LabelSourceCounters socket_counters_, lcm_counters_;
-  LabelRing socket_ring_{kLabelRing}, lcm_ring_{kLabelRing};
+  LabelRing socket_ring_, lcm_ring_;
   std::unique_ptr<LabelThread> socket_;
   std::unique_ptr<LcmLabelThread> lcm_;  // threads last: they stop before what they use goes
 };

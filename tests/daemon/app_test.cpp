@@ -317,7 +317,7 @@ TEST(TrackingThread, LooksDeadOnlyWhenItHangsOnAFrame) {
   JobRing asked(8), solved(8);
   Counters counters;
   hold_tracking = true;
-  TrackingThread tracking(pipeline, frames, poses, asked, solved, {}, counters,
+  TrackingThread tracking(pipeline, {frames, poses, asked, solved}, counters,
                           {.frame_taken = [] { hold_tracking.wait(true); }});
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
   EXPECT_TRUE(tracking.alive(kNsPerMs));  // a silent camera
