@@ -14,7 +14,8 @@ std::vector<Key<AppConfig>> understanding_table() {
       text("understanding.labels", AT(pipeline.understanding.labels),
            "What says which thing a pixel shows; off: no objects, no dense map; geometric: what stands apart, without "
            "any "
-           "labels; replay: label frames of the driver; auto: those if it has them, else geometric",
+           "labels; replay: label frames of the driver or of a source ([labels]); auto: those if any are set up, else "
+           "geometric",
            {"auto", "off", "geometric", "replay"}),
       key("understanding.period_s", AT(pipeline.understanding.period_s), 0.02, 60.0,
           "Between two frames that are understood"),

@@ -15,6 +15,7 @@
 #include "tests/support/made_map.hpp"
 #include "tests/support/made_world.hpp"
 #include "tests/support/same_map.hpp"
+#include "tests/support/same_world.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace povslam {

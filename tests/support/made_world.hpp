@@ -2,15 +2,13 @@
 // comes with what the whole then is, so that a store can be held against it. Beside made_map.hpp.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <map>
 #include <random>
-#include <string>
+#include <vector>
 
-#include "daemon/store_world_rows.hpp"
 #include "pipeline/mapping/volume.hpp"
+#include "pipeline/objects/world_rows.hpp"
 
 namespace povslam::made {
 
@@ -56,7 +54,8 @@ class WorldTruth {
 struct WorldPace {
   int objects = 1;      // new ones a change
   int old_objects = 2;  // seen again, a change
-  int blocks = 2;       // of each object and of the structure, a change
+  int blocks = 2;       // of each object, a change
+  int structure_blocks = 2;
   int empty_cells = 4;
   unsigned seed = 1;
 };
@@ -71,7 +70,7 @@ class WorldMaker {
     for (int i = 0; i < pace_.old_objects && !truth_.objects.empty(); ++i) {
       touch(truth_.objects.lower_bound(pick(0, truth_.objects.rbegin()->first))->second, change);
     }
-    for (int i = 0; i < pace_.blocks; ++i) change.blocks.push_back(block_of(kStructureVolume));
+    for (int i = 0; i < pace_.structure_blocks; ++i) change.blocks.push_back(block_of(kStructureVolume));
     for (int i = 0; i < pace_.empty_cells; ++i) {
       const auto at = [this] { return static_cast<std::int32_t>(pick(-20, 20)); };
       change.empty_cells.push_back({at(), at(), at(), ++time_, time_ + 5, static_cast<std::int32_t>(pick(0, 9))});
@@ -173,38 +172,3 @@ class WorldMaker {
 };
 
 }  // namespace povslam::made
-
-namespace povslam {
-
-// Every row under its name.
-inline std::map<std::string, Bytes> rows_of(const WorldContent& world) {
-  std::map<std::string, Bytes> rows;
-  const auto add = [&rows](const std::string& name, std::int64_t number, const auto& row) {
-    const std::string key = name + " " + std::to_string(number);
-    EXPECT_FALSE(rows.contains(key)) << key << " twice";
-    write_row(row, rows[key]);
-  };
-  add("meta", 0, world.meta);
-  for (const auto& row : world.objects) add("object", row.object.id, row);
-  for (const auto& row : world.blocks) add("block", number_of(row).value(), row);
-  for (const auto& row : world.empty_cells) add("cell", number_of(row).value(), row);
-  for (const auto& row : world.events) add("event", row.seq, row);
-  return rows;
-}
-
-// To the last bit.
-inline testing::AssertionResult same_world(const WorldContent& a, const WorldContent& b) {
-  const auto rows_a = rows_of(a), rows_b = rows_of(b);
-  if (rows_a == rows_b) return testing::AssertionSuccess();
-  for (const auto& [name, row] : rows_a) {
-    const auto other = rows_b.find(name);
-    if (other == rows_b.end()) return testing::AssertionFailure() << name << " is only in the first";
-    if (other->second != row) return testing::AssertionFailure() << name << " differs";
-  }
-  for (const auto& [name, row] : rows_b) {
-    if (!rows_a.contains(name)) return testing::AssertionFailure() << name << " is only in the second";
-  }
-  return testing::AssertionFailure();
-}
-
-}  // namespace povslam
