@@ -20,7 +20,7 @@ SOURCE_SUFFIXES = (".cpp", ".hpp", ".h", ".c")
 PROGRAMS = {
     "tools/povslam": ["base", "geometry", "frames", "pipeline", "drivers", "tools/povslam/*", "pipeline/backend/smooth.hpp",
                       "daemon/app.hpp", "daemon/config_*.hpp", "daemon/store.hpp", "daemon/messages/*",
-                      "daemon/stop_signal.hpp"],
+                      "daemon/stop_signal.hpp", "pipeline/mapping/mesh.hpp"],
     "tools": ["*"],
 }
 

@@ -30,6 +30,7 @@ std::span<const Key<ClassEntry>> class_keys() {
       key<double>("k_outlier", at<&E::k_outlier>, "and when it does not", 0, 100),
       key<double>("min_extent_m", at<&E::min_extent_m>, "Largest side of its box, at least", 0, 1000),
       key<double>("max_extent_m", at<&E::max_extent_m>, "and at most", 0, 1000),
+      key<bool>("one_piece", at<&E::one_piece>, "Made of parts that stand apart: grooves in it separate nothing", 0, 1),
       key<std::array<double, 3>>("rgb", at<&E::rgb>, "Its colour in pictures", 0, 255),
   };
   return keys;

@@ -11,6 +11,7 @@ struct ClassEntry {  // a class as its file says it
   std::string name, kind;
   double prior_alpha = 0.0, prior_beta = 0.0, k_inlier = 0.0, k_outlier = 0.0;
   double min_extent_m = 0.0, max_extent_m = 0.0;
+  bool one_piece = false;
   std::array<double, 3> rgb{};
 };
 

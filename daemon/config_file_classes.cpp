@@ -36,6 +36,7 @@ ClassEntry entry_of(const ObjectClass& row, const ClassEntry& read) {
   entry.k_outlier = row.k_outlier;
   entry.min_extent_m = row.min_extent_m;
   entry.max_extent_m = row.max_extent_m;
+  entry.one_piece = row.one_piece;
   for (std::size_t i = 0; i < 3; ++i) entry.rgb[i] = row.rgb[i];
   return entry;
 }
@@ -47,6 +48,7 @@ ObjectClass class_of(const ClassEntry& entry, ObjectClass row) {
   row.k_outlier = entry.k_outlier;
   row.min_extent_m = entry.min_extent_m;
   row.max_extent_m = entry.max_extent_m;
+  row.one_piece = entry.one_piece;
   for (std::size_t i = 0; i < 3; ++i) row.rgb[i] = static_cast<std::uint8_t>(std::lround(entry.rgb[i]));
   return row;
 }

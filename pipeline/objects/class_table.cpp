@@ -1,7 +1,9 @@
 #include "pipeline/objects/class_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace povslam {
@@ -23,6 +25,14 @@ std::array<std::uint8_t, 3> color_of(std::uint16_t id) {
   return {channel(5.0), channel(3.0), channel(1.0)};
 }
 
+// Things made of parts that stand apart from each other.
+bool assembled(const std::string& name) {
+  constexpr std::array<std::string_view, 13> kWords = {"pallet", "forklift", "truck", "cart",  "trolley",
+                                                       "ladder", "chair",    "table", "bench", "bicycle",
+                                                       "person", "machine",  "robot"};
+  return std::ranges::any_of(kWords, [&](std::string_view word) { return name.find(word) != std::string::npos; });
+}
+
 }  // namespace
 
 ObjectClass make_class(std::uint16_t id, std::string name, ClassKind kind) {
@@ -32,6 +42,7 @@ ObjectClass make_class(std::uint16_t id, std::string name, ClassKind kind) {
   row.kind = kind;
   row.k_inlier = is_stationary(kind) ? kStaticK : 0.0;
   row.k_outlier = is_stationary(kind) ? 0.0 : kStaticK;
+  row.one_piece = assembled(row.name);
   row.rgb = color_of(id);
   return row;
 }

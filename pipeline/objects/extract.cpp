@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <unordered_set>
 
 #include "pipeline/objects/box_fit.hpp"
 #include "pipeline/objects/components.hpp"
+#include "pipeline/objects/grooves.hpp"
 
 namespace povslam {
 namespace {
@@ -35,11 +37,17 @@ std::int64_t key_of(const Eigen::Vector3d& p, double spacing_m) {
 }  // namespace
 
 struct Extractor::Impl {
+  Impl(const ExtractOptions& its_options, double depth_sigma_quadratic_per_m)
+      : options(its_options), sigma_quadratic(depth_sigma_quadratic_per_m), grooves(depth_sigma_quadratic_per_m) {}
+
   ExtractOptions options;
   double sigma_quadratic;
   ComponentFinder finder;
-  ImageU16 value;  // per cell of 2 x 2 pixels: what must be equal within a component; 0: none
-  ImageF depth;    // per cell
+  GrooveFinder grooves;
+  ImageU16 separable;  // pixels of classes whose things grooves separate, by class
+  ImageU8 groove;      // empty: none are looked for
+  ImageU16 value;      // per cell of 2 x 2 pixels: what must be equal within a component; 0: none
+  ImageF depth;        // per cell
   Extraction result;
 
   template <class Value>
@@ -50,6 +58,20 @@ struct Extractor::Impl {
       return i < 0 || j < 0 || i >= image.width() || j >= image.height() || image.at(i, j) == here;
     };
     return same(x - r, y) && same(x + r, y) && same(x, y - r) && same(x, y + r);
+  }
+
+  void find_grooves(const ImageU8& classes, const ClassTable& table, const DepthView& view) {
+    std::array<bool, kClassIds> is_separable{};
+    for (const ObjectClass& row : table.classes) {
+      const bool thing = row.kind == ClassKind::static_object || row.kind == ClassKind::semi_static;
+      if (row.id < kClassIds) is_separable[row.id] = thing && !row.one_piece;
+    }
+    separable.resize(classes.width(), classes.height());
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+      const std::uint8_t id = classes.data()[i];
+      separable.data()[i] = is_separable[id] ? id : std::uint16_t{0};
+    }
+    grooves.find(separable, view, groove);
   }
 
   // The cell's pixel with depth, the first of four.
@@ -66,6 +88,7 @@ struct Extractor::Impl {
           const float z = view.depth_m.at(u, v);
           if (!(z > 0.0F) || static_cast<double>(z) > options.max_depth_m) continue;
           if (!wanted(image.at(u, v)) || !uniform(image, u, v)) continue;
+          if (!groove.empty() && groove.at(u, v) != 0) continue;
           value.at(x, y) = static_cast<std::uint16_t>(image.at(u, v));
           depth.at(x, y) = z;
           break;
@@ -94,8 +117,33 @@ struct Extractor::Impl {
       result.observations.push_back(std::move(thing));
     }
     collect_points(view, owner);
+    mark_divided(owner);
     drop_thin(owner);
     return owner;
+  }
+
+  // Neighbours of one class in a row of cells, hardly apart, neither behind the other, are two things side by side.
+  void mark_divided(const std::vector<std::uint16_t>& owner) {
+    constexpr int kApart = 8, kRows = 5;
+    std::map<std::pair<std::uint16_t, std::uint16_t>, int> rows;
+    for (int y = 0; y < value.height(); ++y) {
+      for (int x = 0, last = -1; x < value.width(); ++x) {
+        const std::int32_t component = finder.component_at(x, y);
+        if (component < 0 || owner[static_cast<std::size_t>(component)] == kNobody) continue;
+        if (last >= 0 && x - last <= kApart && value.at(last, y) == value.at(x, y)) {
+          const std::uint16_t a = owner[static_cast<std::size_t>(finder.component_at(last, y))];
+          const std::uint16_t b = owner[static_cast<std::size_t>(component)];
+          if (a != b) ++rows[std::minmax(a, b)];
+        }
+        last = x;
+      }
+    }
+    for (const auto& [pair, count] : rows) {
+      if (count < kRows) continue;
+      for (const std::uint16_t id : {pair.first, pair.second}) {
+        result.observations[static_cast<std::size_t>(id - kFirstInstance)].divided = true;
+      }
+    }
   }
 
   void collect_points(const DepthView& view, const std::vector<std::uint16_t>& owner) {
@@ -173,16 +221,14 @@ struct Extractor::Impl {
 };
 
 Extractor::Extractor(const ExtractOptions& options, double depth_sigma_quadratic_per_m)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->options = options;
-  impl_->sigma_quadratic = depth_sigma_quadratic_per_m;
-}
+    : impl_(std::make_unique<Impl>(options, depth_sigma_quadratic_per_m)) {}
 Extractor::~Extractor() = default;
 
 const Extraction& Extractor::from_classes(const ImageU8& classes, const ClassTable& table, DepthView& view) {
   EXPECTS(classes.width() == view.camera.width && classes.height() == view.camera.height);
   impl_->result = {};
   const auto parts = parts_of(table);
+  impl_->find_grooves(classes, table, view);
   impl_->fill_cells(classes, view, [&](std::uint8_t id) { return parts[id] == Part::thing; });
   impl_->write_structure(
       classes, [&](std::uint8_t id) { return parts[id] == Part::structure; }, view);
@@ -195,6 +241,7 @@ const Extraction& Extractor::from_instances(const ImageU16& instances, const std
                                             DepthView& view) {
   EXPECTS(instances.width() == view.camera.width && instances.height() == view.camera.height);
   impl_->result = {};
+  impl_->groove.resize(0, 0);
   impl_->fill_cells(instances, view, [](std::uint16_t id) { return id >= kFirstInstance; });
   impl_->write_structure(
       instances, [](std::uint16_t id) { return id == kStructure; }, view);

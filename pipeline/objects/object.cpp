@@ -24,6 +24,11 @@ std::array<int, 4> seen_sides(const std::vector<SurfacePoint>& surface, double y
   return seen;
 }
 
+double assumed_depth_m(double width_m, double height_m, double share) {
+  constexpr double kDeepest_m = 1.0;
+  return std::min(share * std::min(width_m, height_m), kDeepest_m);
+}
+
 // Grows the box along one axis away from its one seen side.
 void assume_depth(Box& box, int axis, int seen_plus, int seen_minus, double depth_m) {
   const int few = std::max(5, (seen_plus + seen_minus) / 10);
@@ -70,8 +75,8 @@ void refresh_shape(MapObject& object, double min_weight, double assumed_depth) {
   object.box = fit_box_at(all, yaw, kBoxTrim);
   const std::array<int, 4> seen = seen_sides(object.surface, yaw);
   const Eigen::Vector3d size = object.box.size_m;
-  assume_depth(object.box, 0, seen[0], seen[1], assumed_depth * std::min(size.y(), size.z()));
-  assume_depth(object.box, 1, seen[2], seen[3], assumed_depth * std::min(size.x(), size.z()));
+  assume_depth(object.box, 0, seen[0], seen[1], assumed_depth_m(size.y(), size.z(), assumed_depth));
+  assume_depth(object.box, 1, seen[2], seen[3], assumed_depth_m(size.x(), size.z(), assumed_depth));
 }
 
 }  // namespace povslam
