@@ -114,11 +114,11 @@ void Reporter::monitor(const std::stop_token& stop) {
   name_this_thread("monitor");
   std::unique_lock lock(mutex_);
   TimeNs health_due = monotonic_now() + options_.health_period, objects_due = monotonic_now();
-  while (!stop.stop_requested()) {
+  for (bool last = false; !last;) {
     const TimeNs wait = std::max<TimeNs>(0, std::min(health_due, objects_due) - monotonic_now());
     const bool changed =
         changed_.wait_for(lock, stop, std::chrono::nanoseconds(wait), [this] { return state_changed_; });
-    const bool last = stop.stop_requested();
+    last = stop.stop_requested();
     const TimeNs now = monotonic_now();
     if (last || changed || now >= health_due) {
       report_health();
