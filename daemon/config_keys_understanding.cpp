@@ -7,7 +7,7 @@ namespace povslam {
 static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 96 && sizeof(VolumeOptions) == 24 &&
               sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 56 &&
               sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 72 &&
-              sizeof(UnderstandingOptions) == 480);
+              sizeof(UnderstandingOptions) == 488);
 
 std::vector<Key<AppConfig>> understanding_table() {
   return {
@@ -22,6 +22,8 @@ std::vector<Key<AppConfig>> understanding_table() {
       key("understanding.label_max_latency_s", AT(pipeline.understanding.label_max_latency_s), 0.0, 30.0,
           "A frame waits so long for its labels"),
 
+      key("understanding.change_period_s", AT(pipeline.understanding.change_period_s), 0.1, 60.0,
+          "So often what changed of objects and dense map is stored"),
       key("view.min_depth_m", AT(pipeline.understanding.view.min_depth_m), 0.0, 100.0,
           "Nearer measurements make no objects and no dense map"),
       key("view.max_depth_m", AT(pipeline.understanding.view.max_depth_m), 0.1, 300.0, "Farther ones neither"),

@@ -21,6 +21,7 @@ struct UnderstandingOptions {
   std::string labels = "auto";       // off; geometric; replay: frames of the driver; auto: those, else geometric
   double period_s = 0.2;             // between two views
   double label_max_latency_s = 3.0;  // a view waits so long for its labels
+  double change_period_s = 2.0;      // between two takings of what changed, for the store
   DepthViewOptions view;
   SegmentOptions segment;
   VolumeOptions structure;

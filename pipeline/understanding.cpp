@@ -1,10 +1,13 @@
 #include "pipeline/understanding.hpp"
 
+#include <map>
 #include <utility>
 
 #include "pipeline/base/time.hpp"
 #include "pipeline/objects/label_join.hpp"
 #include "pipeline/objects/library.hpp"
+#include "pipeline/objects/restore_block.hpp"
+#include "pipeline/objects/world_journal.hpp"
 
 namespace povslam {
 namespace {
@@ -42,6 +45,28 @@ struct Understanding::Impl {
         library(options.objects, options.object, options.integrate, classes_for(options, std::move(classes))),
         join(join_options(options, calibration), library.classes()) {}
 
+  void restore(const WorldContent& content) {
+    library.restore(content.meta);
+    std::map<std::int64_t, std::vector<const VoxelBlockRow*>> blocks;
+    for (const VoxelBlockRow& row : content.blocks) blocks[row.volume].push_back(&row);
+    for (const VoxelBlockRow* row : blocks[kStructureVolume]) restore_block(*row, structure);
+    for (const ObjectRow& row : content.objects) library.restore(row, blocks[row.object.id]);
+    for (const EmptyCellRow& cell : content.empty_cells) {
+      empty.restore({cell.x, cell.y, cell.z, {cell.first, cell.last, cell.times}});
+    }
+    journal.assume_told(content, library, structure);
+    list_objects();
+  }
+
+  WorldChange* collect() {
+    EXPECTS(!change_out);
+    change.clear();
+    journal.collect(library, structure, empty, change);
+    last_change = done.stamp;
+    change_out = !change.empty();
+    return change_out ? &change : nullptr;
+  }
+
   bool geometric() const { return options.labels == "geometric"; }
 
   const Extraction* extract(const LabelFrame* labels) {
@@ -67,6 +92,7 @@ struct Understanding::Impl {
       done.observations = static_cast<int>(extraction->observations.size());
       library.observe(*extraction, empty, seen, step);
       library.claim_landmarks(view.landmarks, seen, step);
+      journal.note(step.events);
       done.events = std::move(step.events);
       done.owners = std::move(step.owners);
       associated = thread_cpu_now();
@@ -100,12 +126,17 @@ struct Understanding::Impl {
   LabelJoin join;
   Understood done;
   std::vector<ObjectRecord> records;
+  WorldJournal journal;
   WorldChange change;
+  bool change_out = false;
+  TimeNs last_change = 0;
 };
 
 Understanding::Understanding(const UnderstandingOptions& options, const SensorCalibration& calibration,
-                             ClassTable classes, const WorldContent* /*content*/)
-    : impl_(std::make_unique<Impl>(options, calibration, std::move(classes))) {}
+                             ClassTable classes, const WorldContent* content)
+    : impl_(std::make_unique<Impl>(options, calibration, std::move(classes))) {
+  if (content != nullptr) impl_->restore(*content);
+}
 Understanding::~Understanding() = default;
 
 void Understanding::add(View&& view) {
@@ -127,8 +158,11 @@ void Understanding::stop_waiting() {
 }
 
 const Understood& Understanding::finish() {
+  const TimeNs stamp = impl_->done.stamp;
   impl_->done = {};
+  impl_->done.stamp = stamp;
   impl_->library.finish(impl_->step);
+  impl_->journal.note(impl_->step.events);
   impl_->done.events = std::move(impl_->step.events);
   impl_->list_objects();
   return impl_->done;
@@ -153,11 +187,16 @@ void Understanding::mesh(Mesh& mesh) {
 }
 
 WorldChange* Understanding::take_change() {
-  return nullptr;
+  const TimeNs period = from_seconds(impl_->options.change_period_s);
+  if (impl_->change_out || impl_->done.stamp - impl_->last_change < period) return nullptr;
+  return impl_->collect();
 }
 WorldChange* Understanding::collect_change() {
-  return nullptr;
+  return impl_->change_out ? nullptr : impl_->collect();
 }
-void Understanding::give_back(WorldChange* /*change*/) {}
+void Understanding::give_back(WorldChange* change) {
+  EXPECTS(change == &impl_->change && impl_->change_out);
+  impl_->change_out = false;
+}
 
 }  // namespace povslam

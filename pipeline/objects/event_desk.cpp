@@ -46,6 +46,11 @@ void EventDesk::withdraw(std::int64_t object) {
   std::erase_if(found_, is_it);
 }
 
+bool EventDesk::holds_gone(std::int64_t object) const {
+  return std::any_of(gone_.begin(), gone_.end(),
+                     [object](const PlaceChange& change) { return change.object == object; });
+}
+
 ObjectEvent EventDesk::make(ObjectEventType type, const PlaceChange& change, TimeNs now) {
   ObjectEvent event;
   event.seq = next_seq_++;

@@ -45,6 +45,8 @@ class EventDesk {
   void decide(TimeNs now, std::vector<ObjectEvent>& events);
   void decide_all(TimeNs now, std::vector<ObjectEvent>& events);
   std::int64_t next_seq() const { return next_seq_; }
+  void continue_at(std::int64_t next_seq) { next_seq_ = next_seq; }
+  bool holds_gone(std::int64_t object) const;
 
  private:
   ObjectEvent make(ObjectEventType type, const PlaceChange& change, TimeNs now);

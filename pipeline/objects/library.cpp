@@ -6,6 +6,7 @@
 
 #include "pipeline/base/time.hpp"
 #include "pipeline/objects/merge.hpp"
+#include "pipeline/objects/restore_block.hpp"
 #include "pipeline/objects/state.hpp"
 
 namespace povslam {
@@ -352,9 +353,9 @@ void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, 
     const auto object = object_of_owner_.find(pixel);
     if (pixel == kNobody || (pixel >= kFirstInstance && object == object_of_owner_.end())) continue;
     const std::int64_t id = pixel == kStructure ? -1 : object->second;
-    const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, Owned{});
+    const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, Owned{-1, seen.slot});
+    if (entry->second.object == id && entry->second.slot == seen.slot) continue;
     entry->second.slot = seen.slot;
-    if (entry->second.object == id) continue;
     entry->second.object = id;
     step.owners.push_back({seen.landmark, seen.slot, id});
   }
@@ -366,6 +367,40 @@ void ObjectLibrary::finish(LibraryStep& step) {
   for (const auto& object : objects_) now = std::max(now, object->last_seen);
   desk_.decide_all(now, step.events);
   for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone);
+}
+
+void ObjectLibrary::restore(const WorldMeta& meta) {
+  next_id_ = std::max(next_id_, meta.next_object);
+  desk_.continue_at(meta.next_event_seq);
+}
+
+void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks) {
+  const ObjectRecord& record = row.object;
+  VolumeOptions volume = volume_options_;
+  volume.voxel_size_m = row.voxel_size_m;
+  volume.truncation_m = row.truncation_m;
+  auto object = std::make_unique<MapObject>(record.id, volume);
+  object->phase = ObjectPhase::confirmed;
+  const auto named = std::ranges::find(classes_.classes, record.class_name, &ObjectClass::name);
+  object->class_votes[named == classes_.classes.end() ? unknown_class_.id : named->id] = record.observations;
+  object->belief = record.belief;
+  object->T_world_volume = row.T_world_volume;
+  object->first_seen = record.first_seen;
+  object->last_seen = record.last_seen;
+  object->first_absent = record.first_absent;
+  object->last_absent = record.last_absent;
+  object->observations = record.observations;
+  object->announced = row.announced;
+  for (const VoxelBlockRow* block : blocks) {
+    restore_block(*block, object->volume);
+    for (const std::uint16_t weight : block->weight) {
+      object->looks = std::max(object->looks, static_cast<double>(weight) / kWeightUnits);
+    }
+  }
+  refresh_shape(*object, shape_weight(*object), kAssumedDepth);
+  for (const std::int64_t landmark : record.landmarks) owner_of_landmark_[landmark] = {record.id, -1};
+  next_id_ = std::max(next_id_, record.id + 1);
+  objects_.push_back(std::move(object));
 }
 
 ObjectRecord ObjectLibrary::record_of(const MapObject& object) const {

@@ -13,6 +13,7 @@
 #include "pipeline/objects/event_desk.hpp"
 #include "pipeline/objects/extract.hpp"
 #include "pipeline/objects/view.hpp"
+#include "pipeline/objects/world_rows.hpp"
 
 namespace povslam {
 
@@ -38,6 +39,13 @@ class ObjectLibrary {
 
   const std::vector<std::unique_ptr<MapObject>>& objects() const { return objects_; }
   const ClassTable& classes() const { return classes_; }
+  std::int64_t next_id() const { return next_id_; }
+  std::int64_t next_event_seq() const { return desk_.next_seq(); }
+  bool undecided(std::int64_t id) const { return desk_.holds_gone(id); }  // it went, no event tells so yet
+
+  // An earlier session's object, before the first view. Ids and numbers of events go on from the meta's.
+  void restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks);
+  void restore(const WorldMeta& meta);
   ObjectRecord record_of(const MapObject& object) const;
 
  private:

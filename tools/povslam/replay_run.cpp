@@ -60,6 +60,12 @@ class Recorder {
     record_.events.insert(record_.events.end(), done.events.begin(), done.events.end());
   }
 
+  void add_world(Understanding& understanding) {
+    record_.objects = understanding.objects();
+    record_.labels = understanding.labels();
+    understanding.mesh(record_.mesh);
+  }
+
   // Corrected poses from where the keyframes are now; a frame whose keyframe is unknown keeps its published pose.
   void correct(const Pipeline& pipeline) {
     record_.loops = pipeline.loops();
@@ -87,6 +93,7 @@ class RecordingSink : public Sink {
     recorder_.add(frame.pose, frame.map);
     progress_.step();
   }
+  void on_event(const ObjectEvent& event) override { recorder_.record().events.push_back(event); }
 
  private:
   Recorder& recorder_;
@@ -105,7 +112,8 @@ class SingleThread {
         true_poses_(settings.true_poses),
         view_period_(from_seconds(settings.config.pipeline.understanding.period_s)) {
     if (settings.config.pipeline.understanding.labels == "off") return;
-    understanding_.emplace(settings.config.pipeline.understanding, calibration, std::move(classes));
+    understanding_.emplace(settings.config.pipeline.understanding, calibration, std::move(classes),
+                           map == nullptr ? nullptr : &map->world);
   }
 
   void track(const RgbdFrame& frame, Recorder& recorder) {
@@ -115,7 +123,7 @@ class SingleThread {
     recorder.add(pose, pipeline_.map_size());
     tracking_cpu_ += thread_cpu_now() - begun;
     while (const auto job = pipeline_.take_job()) run(*job, recorder);
-    if (store_ != nullptr) store(pipeline_.take_change());
+    if (store_ != nullptr) store(pipeline_.take_change(), understanding_ ? understanding_->take_change() : nullptr);
     if (true_poses_.empty()) {
       if (understanding_ && pipeline_.view_due()) understand_from(frame, std::nullopt, recorder);
     } else if (const auto T_world_camera = true_poses_.at(frame.stamp)) {
@@ -136,13 +144,13 @@ class SingleThread {
     understanding_->stop_waiting();
     understand(recorder);
     recorder.add_events(understanding_->finish());
-    recorder.record().objects = understanding_->objects();
-    recorder.record().labels = understanding_->labels();
-    understanding_->mesh(recorder.record().mesh);
+    recorder.add_world(*understanding_);
   }
 
   void store_rest() {
-    if (store_ != nullptr) store(pipeline_.collect_change());
+    if (store_ != nullptr) {
+      store(pipeline_.collect_change(), understanding_ ? understanding_->collect_change() : nullptr);
+    }
   }
   const std::string& store_failure() const { return store_failure_; }  // empty: none
 
@@ -174,12 +182,13 @@ class SingleThread {
     answers_.push(frame_, job);
   }
 
-  void store(MapChange* change) {
-    if (change == nullptr) return;
-    const Result<CommitReport> done = store_->commit(*change);
+  void store(MapChange* map, WorldChange* world) {
+    if (map == nullptr && world == nullptr) return;
+    const Result<CommitReport> done = store_->commit(map, world);
     if (!done && store_failure_.empty()) store_failure_ = done.error().message;
     if (done && done->rows_left_out > 0) log::warn("{} rows not stored: {}", done->rows_left_out, done->why_left_out);
-    pipeline_.give_back(change);
+    if (map != nullptr) pipeline_.give_back(map);
+    if (world != nullptr) understanding_->give_back(world);
   }
 
   static const MapContent* begun_with(const OpenedStore* map) {
@@ -299,6 +308,7 @@ Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::un
   (*app)->stop();
   ReplayRecord& record = recorder.record();
   recorder.correct((*app)->pipeline());
+  if (Understanding* understanding = (*app)->understanding()) recorder.add_world(*understanding);
   const Counters& counters = (*app)->counters();
   for (std::size_t i = 0; i < kNumDropReasons; ++i) record.drops[i] = counters.drops[i].load();
   record.tracking_cpu_s = to_seconds(counters.tracking_cpu.load());
