@@ -212,7 +212,8 @@ double ObjectLibrary::share_that_came(const MapObject& object, const EmptySpace&
     constexpr float kInside_m = 0.1F;  // a cell of which all lies within the object
     const auto seen = empty.at(object.T_world_volume * (point.p_volume - kInside_m * point.normal).cast<double>());
     ++points;
-    if (!seen || seen->times < 3 || seen->last > object.first_seen - kEmptyBefore) continue;
+    if (!seen || seen->times < 3 || seen->last >= object.first_seen) continue;
+    if (seen->first > object.first_seen - kEmptyBefore) continue;
     ++came;
     evidence.first_absent = std::min(evidence.first_absent.value_or(seen->first), seen->first);
     evidence.last_absent = std::max(evidence.last_absent.value_or(seen->last), seen->last);
