@@ -12,7 +12,7 @@
 namespace povslam {
 namespace {
 
-constexpr double kMeshWeight = 0.1;  // looks: one from 3 m is a fifth
+constexpr double kMeshWeight = 0.03;  // looks: two from afar
 
 float ms(TimeNs span) {
   return static_cast<float>(to_ms(span));
