@@ -82,8 +82,8 @@ bool BoardFinder::mark_part(int, const std::vector<std::size_t>& cells, const Se
                                       column_y_[base + last] - column_y_[base + c]);
       if (length >= least_length) {
         for (std::size_t k = c; k <= last; ++k) on_run[base + k] = 1;
-        longest[static_cast<std::size_t>(bin)] = std::max(longest[static_cast<std::size_t>(bin)], length);
       }
+      longest[static_cast<std::size_t>(bin)] = std::max(longest[static_cast<std::size_t>(bin)], length);
       c = last + 1;
     }
   }
@@ -96,7 +96,13 @@ bool BoardFinder::mark_part(int, const std::vector<std::size_t>& cells, const Se
     }
     int end = bin;
     while (end < bins_ && longest[static_cast<std::size_t>(end)] >= least_length) ++end;
-    const bool board = end - bin <= thickest;
+    // What goes on above or below as long, or nearly so, is no board but a side of something.
+    float length = 0.0F, beside = 0.0F;
+    for (int b = bin; b < end; ++b) length = std::max(length, longest[static_cast<std::size_t>(b)]);
+    for (const int b : {bin - 2, bin - 1, end, end + 1}) {
+      if (b >= 0 && b < bins_) beside = std::max(beside, longest[static_cast<std::size_t>(b)]);
+    }
+    const bool board = end - bin <= thickest && beside < 0.7F * length;
     for (int b = bin; b < end; ++b) {
       if (!board) std::fill_n(on_run.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(b) * columns), columns, std::uint8_t{0});
     }
