@@ -8,6 +8,8 @@ namespace povslam {
 namespace {
 
 constexpr int kLookAcross = 6;  // cells without depth between a part and what lies beside it
+constexpr double kRangeSigmas = 2.0;
+constexpr float kStanding_m = 0.04F;
 constexpr float kFacing = 0.8F, kAlike = 0.94F;
 
 struct Sums {
@@ -35,12 +37,19 @@ void look_across(const SegmentGrid& grid, std::size_t i, std::ptrdiff_t step, fl
   ++(inside ? part.open : *border);
 }
 
+bool stands_on_structure(const SegmentGrid& grid, std::size_t i) {
+  const std::size_t below = i + static_cast<std::size_t>(grid.stride);
+  return grid.label[below] == kStructurePart && std::abs(grid.z[below] - grid.z[i]) < kStanding_m;
+}
+
 }  // namespace
 
 void measure_parts(int num_parts, const SegmentOptions& options, const SegmentGrid& grid,
                    std::vector<PartMeasure>& measures) {
   measures.assign(static_cast<std::size_t>(num_parts), {});
   std::vector<Sums> sums(measures.size());
+  const float out_of_range =
+      static_cast<float>(1.0 / options.max_depth_m + kRangeSigmas * options.depth_sigma_quadratic_per_m);
   for (std::size_t i = 0; i < grid.label.size(); ++i) {
     if (grid.label[i] < kFirstPart) continue;
     const auto id = static_cast<std::size_t>(grid.label[i] - kFirstPart);
@@ -50,6 +59,7 @@ void measure_parts(int num_parts, const SegmentOptions& options, const SegmentGr
     if (part.cells == 0) part.bottom_m = part.top_m = grid.z[i];
     ++part.cells;
     part.area_m2 += area;
+    part.at_range += grid.w[i] < out_of_range ? 1 : 0;
     part.bottom_m = std::min(part.bottom_m, grid.z[i]);
     part.top_m = std::max(part.top_m, grid.z[i]);
     (grid.normal_z[i] > kFacing    ? part.up
@@ -93,6 +103,7 @@ void measure_parts(int num_parts, const SegmentOptions& options, const SegmentGr
       look_across(grid, i, 1, slope_x, noise, x + 1 < grid.width, &part.border_side, part);
       look_across(grid, i, -grid.stride, -slope_y, noise, y > 0, &part.border_top, part);
       look_across(grid, i, grid.stride, slope_y, noise, y + 1 < grid.height, &part.border_bottom, part);
+      part.on_floor += stands_on_structure(grid, i) ? 1 : 0;
     }
   }
   for (std::size_t id = 0; id < measures.size(); ++id) {
