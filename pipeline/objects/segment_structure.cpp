@@ -1,11 +1,13 @@
 #include "pipeline/objects/segment_structure.hpp"
 
+#include <algorithm>
+
 namespace povslam {
 
 namespace {
 
 constexpr float kMost = 0.6F;         // share of the area
-constexpr float kPole = 2.5F;         // times as high as broad
+constexpr float kPole = 4.0F;         // times as high as broad
 constexpr float kCutTall = 0.65F;     // of tall_m, for what leaves the image at its top
 
 bool rises_too_high(const PartMeasure& part, const SegmentOptions& options) {
@@ -16,8 +18,8 @@ bool rises_too_high(const PartMeasure& part, const SegmentOptions& options) {
 
 // A post: too thin for its height to stand by itself.
 bool is_pole(const PartMeasure& part, const SegmentOptions& options) {
-  const auto width = static_cast<float>(options.pole_width_m);
-  return part.border_side == 0 && part.length_m < width && part.top_m - part.bottom_m > kPole * part.length_m;
+  const float height = part.top_m - part.bottom_m, width = part.area_m2 / std::max(height, 1e-3F);
+  return part.border_side == 0 && width < static_cast<float>(options.pole_width_m) && height > kPole * width;
 }
 
 bool is_wall(const PartMeasure& part, const SegmentOptions& options) {
