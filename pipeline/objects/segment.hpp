@@ -12,7 +12,7 @@ struct SegmentOptions {
   double max_depth_m = 5.0;     // what is farther is not looked at; things that reach it are cut off there
   double normal_cosine = 0.94;  // a concave fold sharper than this separates
   double jump_share = 0.01;     // of the depth: a larger jump separates…
-  double jump_sigmas = 6.0;     // …if it is this many sigmas of the depth noise
+  double jump_sigmas = 5.0;     // …if it is this many sigmas of the depth noise
   double depth_sigma_quadratic_per_m = 0.0025;
   double wall_area_m2 = 4.0;        // an upright plane larger than this, or longer than
   double wall_length_m = 3.0;       // this, is structure
