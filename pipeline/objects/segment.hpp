@@ -27,11 +27,11 @@ struct SegmentOptions {
 struct Segment {
   int pixels = 0;  // full image
   bool structure = false;
-  bool at_border = false;                     // of the image: there may be more of it
-  double bottom_m = 0.0, top_m = 0.0;         // world height
-  double length_m = 0.0, width_m = 0.0;       // of what is seen, from above
-  double area_m2 = 0.0;                       // of the surface seen
-  double own_outline = 0.0;                   // share of its outline that is not hidden by nearer things, [0, 1]
+  bool at_border = false;                // of the image: there may be more of it
+  double bottom_m = 0.0, top_m = 0.0;    // world height
+  double length_m = 0.0, width_m = 0.0;  // of what is seen, from above
+  double area_m2 = 0.0;                  // of the surface seen
+  double own_outline = 0.0;              // share of its outline that is not hidden by nearer things, [0, 1]
 };
 
 // One object per camera: the floor's height is tracked over frames in the world (z up). Deterministic.

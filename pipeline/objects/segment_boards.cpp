@@ -9,8 +9,9 @@ namespace {
 
 constexpr float kBin_m = 0.04F;
 constexpr int kMaxBins = 100;
-constexpr std::size_t kBridged = 1;   // columns that may be missing in a run: noise, not a gap between things
-constexpr float kShorter = 0.7F;      // what is right above and below a board is this much shorter
+constexpr std::size_t kBridged = 1;  // columns that may be missing in a run: noise, not a gap between things
+constexpr float kShorter = 0.7F;     // what is right above and below a board is this much shorter
+constexpr float kLongerOnFloor = 1.5F;
 constexpr float kKnownLength = 0.35F;  // of board_length_m, at the height of a board already found
 
 std::size_t to_size(int value) {
@@ -23,17 +24,16 @@ bool BoardFinder::mark(int num_parts, float floor_height_m, const SegmentOptions
   collect(num_parts, grid);
   boards_.clear();
   const auto length = static_cast<float>(options.board_length_m);
+  const float near_floor_m = floor_height_m + static_cast<float>(options.board_thickness_m);
   bool found = false;
   for (const Part& part : parts_) {
     if (part.extent_m < length) continue;
     find_runs(part, length, grid);
-    choose_free(options);
+    choose_free(near_floor_m, options);
     found |= label_chosen(part, grid);
   }
   // Close to the floor, pallets and boxes have their feet at that height too.
-  std::erase_if(boards_, [&](const Band& board) {
-    return board.low < floor_height_m + static_cast<float>(options.board_thickness_m);
-  });
+  std::erase_if(boards_, [&](const Band& board) { return board.low < near_floor_m; });
   if (boards_.empty()) return found;
   for (const Part& part : parts_) {
     if (part.extent_m < kKnownLength * length) continue;
@@ -104,7 +104,7 @@ void BoardFinder::find_runs(const Part& part, float least_m, const SegmentGrid& 
   }
 }
 
-void BoardFinder::choose_free(const SegmentOptions& options) {
+void BoardFinder::choose_free(float near_floor_m, const SegmentOptions& options) {
   const auto least = static_cast<float>(options.board_length_m);
   const int thickest = static_cast<int>(static_cast<float>(options.board_thickness_m) / kBin_m) + 1;
   for (int bin = 0; bin < bins_;) {
@@ -114,9 +114,11 @@ void BoardFinder::choose_free(const SegmentOptions& options) {
     for (const int b : {bin - 2, bin - 1, end, end + 1}) {
       if (b >= 0 && b < bins_) beside = std::max(beside, longest_m_[to_size(b)]);
     }
-    if (end > bin && end - bin <= thickest && beside < kShorter * length) {
+    const float low = bottom_ + kBin_m * static_cast<float>(bin);
+    const bool long_enough = length >= (low < near_floor_m ? kLongerOnFloor : 1.0F) * least;
+    if (end > bin && end - bin <= thickest && long_enough && beside < kShorter * length) {
       std::fill(chosen_.begin() + bin, chosen_.begin() + end, std::uint8_t{1});
-      boards_.push_back({bottom_ + kBin_m * static_cast<float>(bin), bottom_ + kBin_m * static_cast<float>(end)});
+      boards_.push_back({low, bottom_ + kBin_m * static_cast<float>(end)});
     }
     bin = std::max(end, bin + 1);
   }

@@ -24,8 +24,9 @@ class BoardFinder {
   void collect(int num_parts, const SegmentGrid& grid);
   void find_runs(const Part& part, float least_m, const SegmentGrid& grid);
   float run_length(int bin, std::size_t first, std::size_t last) const;
-  // Long level strips with nothing of that length right above or below.
-  void choose_free(const SegmentOptions& options);
+  // Long level strips with nothing of that length right above or below; lower than near_floor_m, where pallets have the
+  // same shape, longer ones.
+  void choose_free(float near_floor_m, const SegmentOptions& options);
   // Shorter ones at the foot of a part, at the height of a board that was found elsewhere in the image.
   void choose_at_known_heights(const Part& part, const SegmentOptions& options);
   bool label_chosen(const Part& part, SegmentGrid& grid);

@@ -13,8 +13,8 @@ constexpr int kBins = static_cast<int>(kDeepest_m / kBin_m), kLevelBins = 5;
 constexpr float kUpCosine = 0.9F, kDownCosine = -0.8F;
 constexpr double kLeastShare = 0.015;  // of the grid's cells, for a level to be one
 constexpr float kSame_m = 0.15F, kFollow = 0.3F;
-constexpr int kConvinced = 10;            // frames of another level alone
-constexpr float kSteepest = 0.05F;        // of a floor in a world whose z is up
+constexpr int kConvinced = 10;      // frames of another level alone
+constexpr float kSteepest = 0.05F;  // of a floor in a world whose z is up
 constexpr int kCellsForTilt = 800;
 
 }  // namespace

@@ -21,19 +21,19 @@ struct SegmentGrid {
   int index(int column, int row) const { return (row + kMargin) * stride + column + kMargin; }
   float area_m2(int i) const;  // of the surface that a cell shows
 
-  int step = 1;                // pixels of the image a cell, along each side
-  int width = 0, height = 0;   // cells
-  int stride = 0;              // from one row to the next
+  int step = 1;                                // pixels of the image a cell, along each side
+  int width = 0, height = 0;                   // cells
+  int stride = 0;                              // from one row to the next
   float focal_x, focal_y, center_x, center_y;  // in cells
 
   // Per cell. Level axes: those of the world, origin below the camera's centre at the world's height 0.
-  std::vector<float> raw;                         // inverse depth [1/m]; 0: none
-  std::vector<float> w;                           // the same, smoothed
-  std::vector<float> slope_x, slope_y;            // of w, a cell
-  std::vector<float> x, y, z;                     // level, m
+  std::vector<float> raw;                           // inverse depth [1/m]; 0: none
+  std::vector<float> w;                             // the same, smoothed
+  std::vector<float> slope_x, slope_y;              // of w, a cell
+  std::vector<float> x, y, z;                       // level, m
   std::vector<float> normal_x, normal_y, normal_z;  // level, towards the camera
-  std::vector<std::uint8_t> edge;                 // 1: behind a jump or in a concave fold
-  std::vector<int> label;                         // kNoPart, kFloorPart …
+  std::vector<std::uint8_t> edge;                   // 1: behind a jump or in a concave fold
+  std::vector<int> label;                           // kNoPart, kFloorPart …
 };
 
 inline constexpr int kNoPart = 0, kStructurePart = 1, kFirstPart = 2;

@@ -29,7 +29,8 @@ void look(const SegmentGrid& grid, std::size_t i, std::ptrdiff_t step, float noi
     j += static_cast<std::size_t>(step);
     if (grid.label[j] == label) return;
     if (grid.w[j] <= 0.0F || grid.label[j] == kNoPart) continue;
-    if (std::abs(grid.w[j] - grid.w[i]) < noise + 0.03F * grid.w[i] && std::abs(grid.z[j] - grid.z[i]) < 2.0F * kLevel_m)
+    if (std::abs(grid.w[j] - grid.w[i]) < noise + 0.03F * grid.w[i] &&
+        std::abs(grid.z[j] - grid.z[i]) < 2.0F * kLevel_m)
       ++touched[grid.label[j]];
     return;
   }

@@ -62,9 +62,7 @@ void measure_parts(int num_parts, const SegmentOptions& options, const SegmentGr
     part.at_range += grid.w[i] < out_of_range ? 1 : 0;
     part.bottom_m = std::min(part.bottom_m, grid.z[i]);
     part.top_m = std::max(part.top_m, grid.z[i]);
-    (grid.normal_z[i] > kFacing    ? part.up
-     : grid.normal_z[i] < -kFacing ? part.down
-                                   : part.upright) += area;
+    (grid.normal_z[i] > kFacing ? part.up : grid.normal_z[i] < -kFacing ? part.down : part.upright) += area;
     sum.normal += area * Eigen::Vector3f(grid.normal_x[i], grid.normal_y[i], grid.normal_z[i]);
     sum.x += grid.x[i];
     sum.y += grid.y[i];

@@ -10,8 +10,8 @@ namespace povslam {
 struct PartMeasure {
   int cells = 0;
   float area_m2 = 0.0F;
-  float bottom_m = 0.0F, top_m = 0.0F;  // level heights
-  float length_m = 0.0F, width_m = 0.0F;  // seen from above, along the principal axes
+  float bottom_m = 0.0F, top_m = 0.0F;           // level heights
+  float length_m = 0.0F, width_m = 0.0F;         // seen from above, along the principal axes
   float up = 0.0F, down = 0.0F, upright = 0.0F;  // shares of the area that face so
   float flatness = 0.0F;                         // share that faces as the mean does
   // Cells of the outline by what lies across: something behind it (the outline is this part's own), something before it

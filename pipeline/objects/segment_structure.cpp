@@ -6,9 +6,9 @@ namespace povslam {
 
 namespace {
 
-constexpr float kMost = 0.6F;         // share of the area
-constexpr float kPole = 4.0F;         // times as high as broad
-constexpr float kCutTall = 0.65F;     // of tall_m, for what leaves the image at its top
+constexpr float kMost = 0.6F;      // share of the area
+constexpr float kPole = 4.0F;      // times as high as broad
+constexpr float kCutTall = 0.65F;  // of tall_m, for what leaves the image at its top
 
 bool rises_too_high(const PartMeasure& part, const SegmentOptions& options) {
   const float height = part.top_m - part.bottom_m;
@@ -28,7 +28,9 @@ bool is_wall(const PartMeasure& part, const SegmentOptions& options) {
 }
 
 // A shelf's underside, a ceiling.
-bool hangs_over(const PartMeasure& part) { return part.down > kMost; }
+bool hangs_over(const PartMeasure& part) {
+  return part.down > kMost;
+}
 
 // What the eye takes for background: flat, and bounded by things that stand before it.
 bool is_background(const PartMeasure& part, const SegmentOptions& options) {
@@ -43,7 +45,8 @@ double own_share(const PartMeasure& part) {
 }
 
 bool is_structure(const PartMeasure& part, const SegmentOptions& options) {
-  return rises_too_high(part, options) || is_wall(part, options) || is_pole(part, options) || hangs_over(part) || is_background(part, options);
+  return rises_too_high(part, options) || is_wall(part, options) || is_pole(part, options) || hangs_over(part) ||
+         is_background(part, options);
 }
 
 }  // namespace povslam

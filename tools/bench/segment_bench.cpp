@@ -30,8 +30,8 @@ struct Tally {
 };
 
 struct Scores {
-  std::map<std::string, Tally> things;       // by class
-  std::map<std::string, int> segments;       // by the class most of their pixels show
+  std::map<std::string, Tally> things;        // by class
+  std::map<std::string, int> segments;        // by the class most of their pixels show
   std::map<std::string, int> false_segments;  // that match no thing
   std::vector<double> ms;
   int views = 0;
@@ -106,8 +106,8 @@ void score(const Overlap& seen, const std::vector<Segment>& segments, const Benc
     double best = 0.0;
     for (const auto& [thing, pixels] : seen.thing) best = std::max(best, seen.iou(thing, segment));
     const auto& under = seen.classes_under.at(segment);
-    const auto most = std::max_element(under.begin(), under.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto most =
+        std::max_element(under.begin(), under.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     const std::string name = synthetic::class_table()[most->first].name;
     ++scores.segments[name];
     scores.false_segments[name] += best < 0.5;
@@ -165,7 +165,8 @@ void label_segments(const std::vector<Segment>& segments, const std::string& fil
     const Segment& s = segments[i];
     char text[100];
     std::snprintf(text, sizeof text, "%.1f-%.1f o%.2f", s.bottom_m, s.top_m, s.own_outline);
-    cv::putText(picture, text, cv::Point(static_cast<int>(sum_x / count) + instances.width() - 40, static_cast<int>(sum_y / count)),
+    cv::putText(picture, text,
+                cv::Point(static_cast<int>(sum_x / count) + instances.width() - 40, static_cast<int>(sum_y / count)),
                 cv::FONT_HERSHEY_SIMPLEX, 0.35, cv::Scalar(255, 255, 255));
   }
   cv::imwrite(file, picture);
@@ -222,7 +223,8 @@ void print(const BenchOptions& options, Scores& scores) {
     segments += count;
     wrong += bad;
   }
-  std::printf("  segments %d, precision@0.5 %.3f\n", segments, 1.0 - static_cast<double>(wrong) / std::max(1, segments));
+  std::printf("  segments %d, precision@0.5 %.3f\n", segments,
+              1.0 - static_cast<double>(wrong) / std::max(1, segments));
 }
 
 BenchOptions parse(int argc, char** argv) {
@@ -252,7 +254,9 @@ BenchOptions parse(int argc, char** argv) {
 int run(int argc, char** argv) {
   const BenchOptions options = parse(argc, argv);
   if (options.scene.empty() || options.seeds.empty() || options.every_s <= 0.0) {
-    std::fprintf(stderr, "usage: segment_bench SCENE SEED… [--every S] [--range M] [--min-pixels N] [--pictures DIR] [--list]\n");
+    std::fprintf(
+        stderr,
+        "usage: segment_bench SCENE SEED… [--every S] [--range M] [--min-pixels N] [--pictures DIR] [--list]\n");
     return 2;
   }
   Scores scores;
