@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace povslam {
 
@@ -36,14 +37,9 @@ void look(const SegmentGrid& grid, std::size_t i, std::ptrdiff_t step, float noi
   }
 }
 
-}  // namespace
-
-bool join_parts(const std::vector<PartMeasure>& measures, const SegmentOptions& options, SegmentGrid& grid) {
-  const auto thickness = static_cast<float>(options.board_thickness_m);
-  const float noise = static_cast<float>(options.jump_sigmas) * smooth_sigma(options, grid);
-  std::vector<Role> roles;
-  for (const PartMeasure& part : measures) roles.push_back(role_of(part, thickness));
-  std::vector<std::map<int, int>> touched(measures.size());
+// For each part that is a lid or a plinth: how many cells of which part it touches there.
+std::vector<std::map<int, int>> find_touched(const std::vector<Role>& roles, float noise, const SegmentGrid& grid) {
+  std::vector<std::map<int, int>> touched(roles.size());
   for (int y = 1; y + 1 < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       const auto i = static_cast<std::size_t>(grid.index(x, y));
@@ -53,31 +49,41 @@ bool join_parts(const std::vector<PartMeasure>& measures, const SegmentOptions& 
       look(grid, i, roles[id] == Role::lid ? grid.stride : -grid.stride, noise, touched[id]);
     }
   }
+  return touched;
+}
+
+// other: null for structure.
+bool belongs(Role role, const PartMeasure& part, const PartMeasure* other) {
+  if (role == Role::lid) return other == nullptr || std::abs(other->top_m - part.top_m) < kLevel_m;
+  if (other == nullptr) return false;
+  return std::abs(other->bottom_m - part.top_m) < kLevel_m && part.length_m < kBroader * other->length_m;
+}
+
+}  // namespace
+
+bool join_parts(const std::vector<PartMeasure>& measures, const SegmentOptions& options, SegmentGrid& grid) {
+  std::vector<Role> roles;
+  for (const PartMeasure& part : measures)
+    roles.push_back(role_of(part, static_cast<float>(options.board_thickness_m)));
+  const float noise = static_cast<float>(options.jump_sigmas) * smooth_sigma(options, grid);
+  const std::vector<std::map<int, int>> touched = find_touched(roles, noise, grid);
   std::vector<int> renamed(measures.size() + kFirstPart);
-  for (std::size_t label = 0; label < renamed.size(); ++label) renamed[label] = static_cast<int>(label);
+  std::iota(renamed.begin(), renamed.end(), 0);
   bool any = false;
   for (std::size_t id = 0; id < measures.size(); ++id) {
     if (touched[id].empty()) continue;
-    const auto most = std::max_element(touched[id].begin(), touched[id].end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    const int other = most->first;
-    const PartMeasure& part = measures[id];
-    if (roles[id] == Role::lid) {
-      const bool meets = other == kStructurePart ||
-                         std::abs(measures[static_cast<std::size_t>(other - kFirstPart)].top_m - part.top_m) < kLevel_m;
-      if (!meets) continue;
-    } else {
-      if (other == kStructurePart) continue;
-      const PartMeasure& upper = measures[static_cast<std::size_t>(other - kFirstPart)];
-      if (std::abs(upper.bottom_m - part.top_m) > kLevel_m || part.length_m > kBroader * upper.length_m) continue;
-    }
+    const int other = std::max_element(touched[id].begin(), touched[id].end(), [](const auto& a, const auto& b) {
+                        return a.second < b.second;
+                      })->first;
+    const PartMeasure* measure = other < kFirstPart ? nullptr : &measures[static_cast<std::size_t>(other - kFirstPart)];
+    if (!belongs(roles[id], measures[id], measure)) continue;
     renamed[id + kFirstPart] = other;
     any = true;
   }
   if (!any) return false;
+  constexpr int kMostHops = 3;  // a lid on a load on a plinth
   for (int& label : grid.label) {
-    for (int hops = 0; hops < 3 && renamed[static_cast<std::size_t>(label)] != label; ++hops)
-      label = renamed[static_cast<std::size_t>(label)];
+    for (int hop = 0; hop < kMostHops; ++hop) label = renamed[static_cast<std::size_t>(label)];
   }
   return true;
 }
