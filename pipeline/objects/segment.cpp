@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pipeline/objects/segment_boards.hpp"
 #include "pipeline/objects/segment_floor.hpp"
 #include "pipeline/objects/segment_grid.hpp"
+#include "pipeline/objects/segment_join.hpp"
 #include "pipeline/objects/segment_measure.hpp"
 #include "pipeline/objects/segment_parts.hpp"
 #include "pipeline/objects/segment_structure.hpp"
@@ -44,15 +46,19 @@ void Segmenter::Impl::find_parts(const DepthView& view) {
   find_surfaces(view.T_world_camera, options, grid);
   find_edges(options, grid);
   const auto camera_height_m = static_cast<float>(view.T_world_camera.translation.z());
-  if (const auto plane = floor.track(grid, camera_height_m)) label_floor(*plane, options, grid);
+  const std::optional<FloorPlane> plane = floor.track(grid, camera_height_m);
+  if (plane) label_floor(*plane, options, grid);
+  const float floor_height_m = plane ? plane->height : -std::numeric_limits<float>::max();
+  label_undersides(camera_height_m, grid);
   const int min_cells = std::max(1, options.min_pixels / (grid.step * grid.step) / 2);  // they have yet to grow
   num_parts = parts.find(options, min_cells, grid);
-  if (boards.mark(num_parts, options, grid)) num_parts = parts.find(options, min_cells, grid);
+  if (boards.mark(num_parts, floor_height_m, options, grid)) num_parts = parts.find(options, min_cells, grid);
   grow_parts(options, grid);
 }
 
 void Segmenter::Impl::judge() {
   measure_parts(num_parts, options, grid, measures);
+  if (join_parts(measures, options, grid)) measure_parts(num_parts, options, grid, measures);
   instance_of.assign(static_cast<std::size_t>(num_parts) + kFirstPart, kNobody);
   instance_of[kStructurePart] = kStructure;
   segments.clear();
@@ -60,9 +66,9 @@ void Segmenter::Impl::judge() {
     const PartMeasure& part = measures[id];
     Segment segment;
     segment.pixels = part.cells * grid.step * grid.step;
-    if (segment.pixels < options.min_pixels) continue;
+    if (segment.pixels < options.min_pixels || 3 * part.at_range > part.cells) continue;
     segment.structure = is_structure(part, options);
-    segment.at_border = part.border_top + part.border_bottom + part.border_side > 0;
+    segment.at_border = part.border_top + part.border_bottom + part.border_side + part.at_range > 0;
     segment.bottom_m = part.bottom_m;
     segment.top_m = part.top_m;
     segment.length_m = part.length_m;

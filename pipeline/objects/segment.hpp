@@ -9,15 +9,17 @@ namespace povslam {
 
 struct SegmentOptions {
   int min_pixels = 500;         // of the full image
+  double max_depth_m = 5.0;     // what is farther is not looked at; things that reach it are cut off there
   double normal_cosine = 0.94;  // a concave fold sharper than this separates
   double jump_share = 0.01;     // of the depth: a larger jump separates…
-  double jump_sigmas = 6.0;     // …if it is this many sigmas of the depth noise
+  double jump_sigmas = 5.0;     // …if it is this many sigmas of the depth noise
   double depth_sigma_quadratic_per_m = 0.0025;
   double wall_area_m2 = 4.0;        // an upright plane larger than this, or longer than
   double wall_length_m = 3.0;       // this, is structure
   double floor_tolerance_m = 0.06;  // about the floor's height, plus 3 sigma
   double tall_m = 2.2;              // what rises more than this is structure
-  double board_length_m = 1.5;      // a level strip longer than this
+  double pole_width_m = 0.16;       // thinner and much higher: a post, structure
+  double board_length_m = 1.0;      // a level strip longer than this
   double board_thickness_m = 0.2;   // and not higher than this is a shelf: structure
   double own_outline = 0.25;        // a flat thing with a smaller share of outline of its own is the background
 };

@@ -11,23 +11,36 @@ namespace povslam {
 class BoardFinder {
  public:
   // Labels the cells of boards kStructurePart. True: there were some, parts must be found anew.
-  bool mark(int num_parts, const SegmentOptions& options, SegmentGrid& grid);
+  bool mark(int num_parts, float floor_height_m, const SegmentOptions& options, SegmentGrid& grid);
 
  private:
-  struct Run {  // of cells at one height, from column to column of the image
-    float start_x = 0.0F, start_y = 0.0F, end_x = 0.0F, end_y = 0.0F;
-    int first = 0, last = 0;
-    float length() const;
+  struct Band {  // of heights, world
+    float low = 0.0F, high = 0.0F;
   };
-  bool mark_part(int part, const std::vector<std::size_t>& cells, const SegmentOptions& options, SegmentGrid& grid);
-  void find_runs(const std::vector<std::size_t>& cells, const SegmentGrid& grid);
+  struct Part {
+    std::vector<std::size_t> cells;
+    float extent_m = 0.0F, bottom = 0.0F, top = 0.0F;
+  };
+  void collect(int num_parts, const SegmentGrid& grid);
+  void find_runs(const Part& part, float least_m, const SegmentGrid& grid);
+  float run_length(int bin, std::size_t first, std::size_t last) const;
+  // Long level strips with nothing of that length right above or below; lower than near_floor_m, where pallets have the
+  // same shape, longer ones.
+  void choose_free(float near_floor_m, const SegmentOptions& options);
+  // Shorter ones at the foot of a part, at the height of a board that was found elsewhere in the image.
+  void choose_at_known_heights(const Part& part, const SegmentOptions& options);
+  bool label_chosen(const Part& part, SegmentGrid& grid);
 
-  std::vector<std::vector<std::size_t>> cells_;  // of each part
-  std::vector<float> column_x_, column_y_;       // of each bin and column: a point there
-  std::vector<std::uint8_t> there_;
-  std::vector<std::vector<Run>> runs_;  // of each bin: the long ones
+  std::vector<Part> parts_;
+  std::vector<Band> boards_;  // found in this image
+  // Of the part at hand, in bins of height:
   float bottom_ = 0.0F;
   int bins_ = 0;
+  std::size_t columns_ = 0;
+  std::vector<std::uint8_t> there_, on_run_;  // of each bin and column of the image
+  std::vector<float> column_x_, column_y_;    // a point there
+  std::vector<float> longest_m_;              // run of each bin
+  std::vector<std::uint8_t> chosen_;          // bins
 };
 
 }  // namespace povslam

@@ -35,7 +35,7 @@ void find_edges(const SegmentOptions& options, SegmentGrid& grid) {
     for (int x = 0; x < grid.width; ++x) {
       const float far = std::max(valley(w + x, kReach), valley(w + x, kReach * grid.stride));
       const float near = std::max(valley(w + x, kReach / 2), valley(w + x, kReach / 2 * grid.stride));
-      edge[x] = std::max(far, near) > noise + share * w[x] && w[x] > 0.0F;
+      edge[x] = std::max(far, near) > std::max(noise, share * w[x]) && w[x] > 0.0F;
     }
   }
 }

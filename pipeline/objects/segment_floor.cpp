@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kBin_m = 0.02F, kDeepest_m = 3.0F;  // below the camera
 constexpr int kBins = static_cast<int>(kDeepest_m / kBin_m), kLevelBins = 5;
-constexpr float kUpCosine = 0.9F;
+constexpr float kUpCosine = 0.9F, kDownCosine = -0.8F;
 constexpr double kLeastShare = 0.015;  // of the grid's cells, for a level to be one
 constexpr float kSame_m = 0.15F, kFollow = 0.3F;
 constexpr int kConvinced = 10;      // frames of another level alone
@@ -90,6 +90,13 @@ std::optional<FloorPlane> FloorTracker::track(const SegmentGrid& grid, float cam
   follow(lowest_level(grid, camera_height_m), grid.width * grid.height);
   if (!height_) return std::nullopt;
   return fit(grid);
+}
+
+void label_undersides(float camera_height_m, SegmentGrid& grid) {
+  for (std::size_t i = 0; i < grid.w.size(); ++i) {
+    const bool hangs = grid.normal_z[i] < kDownCosine && grid.z[i] > camera_height_m;
+    if (hangs && grid.w[i] > 0.0F && grid.edge[i] == 0) grid.label[i] = kStructurePart;
+  }
 }
 
 void label_floor(const FloorPlane& floor, const SegmentOptions& options, SegmentGrid& grid) {

@@ -32,6 +32,10 @@ class FloorTracker {
   std::vector<int> histogram_;
 };
 
+// Labels what faces down and hangs higher than the camera kStructurePart: ceilings and the undersides of shelves, which
+// would tie the things that stand on a shelf to each other.
+void label_undersides(float camera_height_m, SegmentGrid& grid);
+
 // Labels the floor's cells kStructurePart and all others kNoPart; what lies below the floor loses its depth (mirror
 // images in a shiny floor).
 void label_floor(const FloorPlane& floor, const SegmentOptions& options, SegmentGrid& grid);

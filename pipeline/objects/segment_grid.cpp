@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kGridWidth = 320;  // cells, about: enough for things of some centimetres, and the cost is bounded
 constexpr int kWindow = 2;       // cells to each side that are averaged
-constexpr float kNearest_m = 0.05F, kFarthest_m = 50.0F;
+constexpr float kNearest_m = 0.05F;
 constexpr int kMaxStep = 8;
 
 int step_for(const PinholeCamera& camera) {
@@ -33,7 +33,7 @@ float cell_value(std::array<float, kMaxStep * kMaxStep>& values, int count, floa
   return sum / static_cast<float>(used);
 }
 
-void reduce(const ImageF& depth, float gate, SegmentGrid& grid) {
+void reduce(const ImageF& depth, float farthest_m, float gate, SegmentGrid& grid) {
   std::array<float, kMaxStep * kMaxStep> values;
   for (int y = 0; y < grid.height; ++y) {
     float* out = grid.raw.data() + grid.index(0, y);
@@ -42,7 +42,7 @@ void reduce(const ImageF& depth, float gate, SegmentGrid& grid) {
       for (int v = 0; v < grid.step; ++v) {
         const float* row = depth.row(y * grid.step + v) + x * grid.step;
         for (int u = 0; u < grid.step; ++u) {
-          if (row[u] > kNearest_m && row[u] < kFarthest_m) values[static_cast<std::size_t>(count++)] = 1.0F / row[u];
+          if (row[u] > kNearest_m && row[u] < farthest_m) values[static_cast<std::size_t>(count++)] = 1.0F / row[u];
         }
       }
       out[x] = cell_value(values, count, gate);
@@ -107,7 +107,7 @@ float SegmentGrid::area_m2(int i) const {
 void take_depth(const DepthView& view, const SegmentOptions& options, SegmentGrid& grid) {
   const auto sigma = static_cast<float>(options.depth_sigma_quadratic_per_m);
   constexpr float kGateSigmas = 5.0F;
-  reduce(view.depth_m, kGateSigmas * sigma, grid);
+  reduce(view.depth_m, static_cast<float>(options.max_depth_m), kGateSigmas * sigma, grid);
   smooth(kGateSigmas * sigma / static_cast<float>(grid.step), grid);
 }
 

@@ -8,6 +8,8 @@ namespace povslam {
 namespace {
 
 constexpr int kLookAcross = 6;  // cells without depth between a part and what lies beside it
+constexpr double kRangeSigmas = 2.0;
+constexpr float kStanding_m = 0.04F;
 constexpr float kFacing = 0.8F, kAlike = 0.94F;
 
 struct Sums {
@@ -18,6 +20,11 @@ struct Sums {
   float low = 1e9F, high = -1e9F, low_across = 1e9F, high_across = -1e9F;
 };
 
+Eigen::Vector3f normal_of(const SegmentGrid& grid, std::size_t i) {
+  return {grid.normal_x[i], grid.normal_y[i], grid.normal_z[i]};
+}
+
+// Counts one side of a cell: what lies across it there, beyond cells without depth.
 void look_across(const SegmentGrid& grid, std::size_t i, std::ptrdiff_t step, float slope, float noise, bool inside,
                  int* border, PartMeasure& part) {
   const int label = grid.label[i];
@@ -35,75 +42,90 @@ void look_across(const SegmentGrid& grid, std::size_t i, std::ptrdiff_t step, fl
   ++(inside ? part.open : *border);
 }
 
+bool stands_on_structure(const SegmentGrid& grid, std::size_t i) {
+  const std::size_t below = i + static_cast<std::size_t>(grid.stride);
+  return grid.label[below] == kStructurePart && std::abs(grid.z[below] - grid.z[i]) < kStanding_m;
+}
+
+void add_cell(const SegmentGrid& grid, std::size_t i, float out_of_range, PartMeasure& part, Sums& sum) {
+  const float area = grid.area_m2(static_cast<int>(i));
+  if (part.cells == 0) part.bottom_m = part.top_m = grid.z[i];
+  ++part.cells;
+  part.area_m2 += area;
+  part.at_range += grid.w[i] < out_of_range ? 1 : 0;
+  part.bottom_m = std::min(part.bottom_m, grid.z[i]);
+  part.top_m = std::max(part.top_m, grid.z[i]);
+  (grid.normal_z[i] > kFacing ? part.up : grid.normal_z[i] < -kFacing ? part.down : part.upright) += area;
+  sum.normal += area * normal_of(grid, i);
+  sum.x += grid.x[i];
+  sum.y += grid.y[i];
+  sum.xx += grid.x[i] * grid.x[i];
+  sum.xy += grid.x[i] * grid.y[i];
+  sum.yy += grid.y[i] * grid.y[i];
+}
+
+void find_axes(int cells, Sums& sum) {
+  const double n = std::max(1, cells), x = sum.x / n, y = sum.y / n;
+  const double angle = 0.5 * std::atan2(2.0 * (sum.xy / n - x * y), sum.xx / n - x * x - sum.yy / n + y * y);
+  sum.axis_x = static_cast<float>(std::cos(angle));
+  sum.axis_y = static_cast<float>(std::sin(angle));
+  sum.normal.normalize();
+}
+
+void add_extent(const SegmentGrid& grid, std::size_t i, Sums& sum) {
+  const float along = sum.axis_x * grid.x[i] + sum.axis_y * grid.y[i];
+  const float across = sum.axis_x * grid.y[i] - sum.axis_y * grid.x[i];
+  sum.low = std::min(sum.low, along);
+  sum.high = std::max(sum.high, along);
+  sum.low_across = std::min(sum.low_across, across);
+  sum.high_across = std::max(sum.high_across, across);
+  if (sum.normal.dot(normal_of(grid, i)) > kAlike) sum.flat += grid.area_m2(static_cast<int>(i));
+}
+
+void add_outline(const SegmentGrid& grid, int x, int y, float noise, PartMeasure& part) {
+  const auto i = static_cast<std::size_t>(grid.index(x, y));
+  const float slope_x = grid.slope_x[i], slope_y = grid.slope_y[i];
+  look_across(grid, i, -1, -slope_x, noise, x > 0, &part.border_side, part);
+  look_across(grid, i, 1, slope_x, noise, x + 1 < grid.width, &part.border_side, part);
+  look_across(grid, i, -grid.stride, -slope_y, noise, y > 0, &part.border_top, part);
+  look_across(grid, i, grid.stride, slope_y, noise, y + 1 < grid.height, &part.border_bottom, part);
+  part.on_floor += stands_on_structure(grid, i) ? 1 : 0;
+}
+
+void finish(const Sums& sum, PartMeasure& part) {
+  const float whole = std::max(part.area_m2, 1e-6F);
+  part.up /= whole;
+  part.down /= whole;
+  part.upright /= whole;
+  part.flatness = sum.flat / whole;
+  part.length_m = sum.high - sum.low;
+  part.width_m = sum.high_across - sum.low_across;
+}
+
 }  // namespace
 
 void measure_parts(int num_parts, const SegmentOptions& options, const SegmentGrid& grid,
                    std::vector<PartMeasure>& measures) {
   measures.assign(static_cast<std::size_t>(num_parts), {});
   std::vector<Sums> sums(measures.size());
+  const auto part_of = [&grid](std::size_t i) { return static_cast<std::size_t>(grid.label[i] - kFirstPart); };
+  const auto out_of_range =
+      static_cast<float>(1.0 / options.max_depth_m + kRangeSigmas * options.depth_sigma_quadratic_per_m);
   for (std::size_t i = 0; i < grid.label.size(); ++i) {
-    if (grid.label[i] < kFirstPart) continue;
-    const auto id = static_cast<std::size_t>(grid.label[i] - kFirstPart);
-    PartMeasure& part = measures[id];
-    Sums& sum = sums[id];
-    const float area = grid.area_m2(static_cast<int>(i));
-    if (part.cells == 0) part.bottom_m = part.top_m = grid.z[i];
-    ++part.cells;
-    part.area_m2 += area;
-    part.bottom_m = std::min(part.bottom_m, grid.z[i]);
-    part.top_m = std::max(part.top_m, grid.z[i]);
-    (grid.normal_z[i] > kFacing ? part.up : grid.normal_z[i] < -kFacing ? part.down : part.upright) += area;
-    sum.normal += area * Eigen::Vector3f(grid.normal_x[i], grid.normal_y[i], grid.normal_z[i]);
-    sum.x += grid.x[i];
-    sum.y += grid.y[i];
-    sum.xx += grid.x[i] * grid.x[i];
-    sum.xy += grid.x[i] * grid.y[i];
-    sum.yy += grid.y[i] * grid.y[i];
+    if (grid.label[i] >= kFirstPart) add_cell(grid, i, out_of_range, measures[part_of(i)], sums[part_of(i)]);
   }
-  for (std::size_t id = 0; id < measures.size(); ++id) {
-    Sums& sum = sums[id];
-    const double n = std::max(1, measures[id].cells);
-    const double xx = sum.xx / n - sum.x * sum.x / (n * n), yy = sum.yy / n - sum.y * sum.y / (n * n),
-                 xy = sum.xy / n - sum.x * sum.y / (n * n);
-    const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
-    sum.axis_x = static_cast<float>(std::cos(angle));
-    sum.axis_y = static_cast<float>(std::sin(angle));
-    sum.normal.normalize();
-  }
+  for (std::size_t id = 0; id < measures.size(); ++id) find_axes(measures[id].cells, sums[id]);
   const float noise = static_cast<float>(options.jump_sigmas) * smooth_sigma(options, grid);
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       const auto i = static_cast<std::size_t>(grid.index(x, y));
       if (grid.label[i] < kFirstPart) continue;
-      const auto id = static_cast<std::size_t>(grid.label[i] - kFirstPart);
-      PartMeasure& part = measures[id];
-      Sums& sum = sums[id];
-      const float along = sum.axis_x * grid.x[i] + sum.axis_y * grid.y[i];
-      const float across = sum.axis_x * grid.y[i] - sum.axis_y * grid.x[i];
-      sum.low = std::min(sum.low, along);
-      sum.high = std::max(sum.high, along);
-      sum.low_across = std::min(sum.low_across, across);
-      sum.high_across = std::max(sum.high_across, across);
-      const float like = sum.normal.dot(Eigen::Vector3f(grid.normal_x[i], grid.normal_y[i], grid.normal_z[i]));
-      if (like > kAlike) sum.flat += grid.area_m2(static_cast<int>(i));
-      const float slope_x = grid.slope_x[i], slope_y = grid.slope_y[i];
-      look_across(grid, i, -1, -slope_x, noise, x > 0, &part.border_side, part);
-      look_across(grid, i, 1, slope_x, noise, x + 1 < grid.width, &part.border_side, part);
-      look_across(grid, i, -grid.stride, -slope_y, noise, y > 0, &part.border_top, part);
-      look_across(grid, i, grid.stride, slope_y, noise, y + 1 < grid.height, &part.border_bottom, part);
+      add_extent(grid, i, sums[part_of(i)]);
+      add_outline(grid, x, y, noise, measures[part_of(i)]);
     }
   }
   for (std::size_t id = 0; id < measures.size(); ++id) {
-    PartMeasure& part = measures[id];
-    if (part.cells == 0) continue;
-    const Sums& sum = sums[id];
-    const float whole = std::max(part.area_m2, 1e-6F);
-    part.up /= whole;
-    part.down /= whole;
-    part.upright /= whole;
-    part.flatness = sum.flat / whole;
-    part.length_m = sum.high - sum.low;
-    part.width_m = sum.high_across - sum.low_across;
+    if (measures[id].cells > 0) finish(sums[id], measures[id]);
   }
 }
 

@@ -17,6 +17,8 @@ struct PartMeasure {
   // Cells of the outline by what lies across: something behind it (the outline is this part's own), something before it
   // (the part runs on behind that), something it touches, nothing measured, or the image's border.
   int own = 0, covered = 0, touching = 0, open = 0;
+  int at_range = 0;  // cells that lie where the range of sight ends, within the noise
+  int on_floor = 0;  // of those that touch: the floor, or other structure, right below
   int border_top = 0, border_bottom = 0, border_side = 0;
   int outline() const { return own + covered + touching + open + border_top + border_bottom + border_side; }
 };

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace povslam {
 
 namespace {
 
-constexpr int kGrowth = 5;  // cells
+constexpr int kGrowth = 5;       // cells
+constexpr float kClose = 0.02F;  // of the depth
 
 // How far apart two neighbours are beside what the surface's own slope makes.
 inline float gap(const SegmentGrid& grid, std::size_t i, std::size_t j, float slope) {
@@ -25,10 +27,23 @@ int PartFinder::root(int label) {
   return label;
 }
 
+// The part that the cell hangs together with on its left or above, joining the two; kNoPart: none.
+int PartFinder::hang_on(std::size_t i, float far, const SegmentGrid& grid) {
+  const std::size_t left = i - 1, up = i - static_cast<std::size_t>(grid.stride);
+  int label = kNoPart;
+  if (grid.label[left] >= kFirstPart && gap(grid, i, left, -grid.slope_x[i]) < far) label = root(grid.label[left]);
+  if (grid.label[up] < kFirstPart || gap(grid, i, up, -grid.slope_y[i]) >= far) return label;
+  const int other = root(grid.label[up]);
+  if (label == kNoPart) return other;
+  const int least = std::min(label, other);
+  parent_[static_cast<std::size_t>(label)] = parent_[static_cast<std::size_t>(other)] = least;
+  return least;
+}
+
 int PartFinder::find(const SegmentOptions& options, int min_cells, SegmentGrid& grid) {
   const float noise = static_cast<float>(options.jump_sigmas) * smooth_sigma(options, grid);
   const auto share = static_cast<float>(options.jump_share);
-  parent_.assign({0, 1});
+  parent_.assign({kNoPart, kStructurePart});
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       const auto i = static_cast<std::size_t>(grid.index(x, y));
@@ -36,24 +51,18 @@ int PartFinder::find(const SegmentOptions& options, int min_cells, SegmentGrid& 
       if (label == kStructurePart) continue;
       label = kNoPart;
       if (grid.w[i] <= 0.0F || grid.edge[i] != 0) continue;
-      const float far = noise + share * grid.w[i];
-      const std::size_t left = i - 1, up = i - static_cast<std::size_t>(grid.stride);
-      if (grid.label[left] >= kFirstPart && gap(grid, i, left, -grid.slope_x[i]) < far) label = root(grid.label[left]);
-      if (grid.label[up] >= kFirstPart && gap(grid, i, up, -grid.slope_y[i]) < far) {
-        const int other = root(grid.label[up]);
-        if (label == kNoPart) label = other;
-        const int least = std::min(label, other);
-        parent_[static_cast<std::size_t>(label)] = parent_[static_cast<std::size_t>(other)] = least;
-        label = least;
-      }
+      label = hang_on(i, noise + share * grid.w[i], grid);
       if (label != kNoPart) continue;
       label = static_cast<int>(parent_.size());
       parent_.push_back(label);
     }
   }
+  return rename(min_cells, grid);
+}
+
+int PartFinder::rename(int min_cells, SegmentGrid& grid) {
   cells_.assign(parent_.size(), 0);
   for (int& label : grid.label) {
-    if (label < kFirstPart) continue;
     label = root(label);
     ++cells_[static_cast<std::size_t>(label)];
   }
@@ -67,6 +76,24 @@ int PartFinder::find(const SegmentOptions& options, int min_cells, SegmentGrid& 
   return next - kFirstPart;
 }
 
+namespace {
+
+// Of the cells beside, the label of the one that is closest in depth; kNoPart: none is close.
+int closest_beside(const SegmentGrid& grid, std::size_t i, float least) {
+  const std::ptrdiff_t beside[] = {-1, 1, -grid.stride, grid.stride};
+  int label = kNoPart;
+  for (const std::ptrdiff_t step : beside) {
+    const std::size_t j = i + static_cast<std::size_t>(step);
+    const float apart = std::abs(grid.w[j] - grid.w[i]);
+    if (grid.label[j] == kNoPart || apart >= least) continue;
+    least = apart;
+    label = grid.label[j];
+  }
+  return label;
+}
+
+}  // namespace
+
 void grow_parts(const SegmentOptions& options, SegmentGrid& grid) {
   const float noise = static_cast<float>(options.jump_sigmas) * smooth_sigma(options, grid);
   std::vector<std::size_t> open, still_open;
@@ -74,22 +101,11 @@ void grow_parts(const SegmentOptions& options, SegmentGrid& grid) {
   for (std::size_t i = 0; i < grid.w.size(); ++i) {
     if (grid.w[i] > 0.0F && grid.label[i] == kNoPart) open.push_back(i);
   }
-  const std::ptrdiff_t beside[] = {-1, 1, -grid.stride, grid.stride};
   for (int round = 0; round < kGrowth && !open.empty(); ++round) {
     joined.clear();
     still_open.clear();
     for (const std::size_t i : open) {
-      float least = noise + 0.02F * grid.w[i];
-      int label = kNoPart;
-      for (const std::ptrdiff_t step : beside) {
-        const std::size_t j = i + static_cast<std::size_t>(step);
-        if (grid.label[j] == kNoPart) continue;
-        const float apart = std::abs(grid.w[j] - grid.w[i]);
-        if (apart < least) {
-          least = apart;
-          label = grid.label[j];
-        }
-      }
+      const int label = closest_beside(grid, i, noise + kClose * grid.w[i]);
       if (label == kNoPart) {
         still_open.push_back(i);
       } else {

@@ -15,6 +15,8 @@ class PartFinder {
 
  private:
   int root(int label);
+  int hang_on(std::size_t cell, float far, const SegmentGrid& grid);
+  int rename(int min_cells, SegmentGrid& grid);
 
   std::vector<int> parent_, renamed_, cells_;
 };

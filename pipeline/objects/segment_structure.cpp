@@ -1,16 +1,25 @@
 #include "pipeline/objects/segment_structure.hpp"
 
+#include <algorithm>
+
 namespace povslam {
 
 namespace {
 
 constexpr float kMost = 0.6F;      // share of the area
+constexpr float kPole = 4.0F;      // times as high as broad
 constexpr float kCutTall = 0.65F;  // of tall_m, for what leaves the image at its top
 
 bool rises_too_high(const PartMeasure& part, const SegmentOptions& options) {
   const float height = part.top_m - part.bottom_m;
   const auto tall = static_cast<float>(options.tall_m);
   return height > tall || (part.border_top > 2 && height > kCutTall * tall);
+}
+
+// A post: too thin for its height to stand by itself.
+bool is_pole(const PartMeasure& part, const SegmentOptions& options) {
+  const float height = part.top_m - part.bottom_m, width = part.area_m2 / std::max(height, 1e-3F);
+  return part.border_side == 0 && width < static_cast<float>(options.pole_width_m) && height > kPole * width;
 }
 
 bool is_wall(const PartMeasure& part, const SegmentOptions& options) {
@@ -36,7 +45,8 @@ double own_share(const PartMeasure& part) {
 }
 
 bool is_structure(const PartMeasure& part, const SegmentOptions& options) {
-  return rises_too_high(part, options) || is_wall(part, options) || hangs_over(part) || is_background(part, options);
+  return rises_too_high(part, options) || is_wall(part, options) || is_pole(part, options) || hangs_over(part) ||
+         is_background(part, options);
 }
 
 }  // namespace povslam

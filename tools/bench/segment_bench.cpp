@@ -1,5 +1,5 @@
 // How well things are told apart by depth alone: views of simulated scenes, segmented, against the true instances.
-//   segment_bench SCENE SEED… [--every S] [--range M] [--min-pixels N] [--pictures FOLDER]
+//   segment_bench SCENE SEED… [--every S] [--range M] [--min-pixels N] [--pictures FOLDER] [--list]
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -20,6 +20,7 @@ struct BenchOptions {
   std::vector<std::uint64_t> seeds;
   double every_s = 1.0;
   float range_m = 5.0F;
+  bool list = false;      // what matches no thing
   int min_pixels = 2000;  // of a thing, measured within range, to be asked for
 };
 
@@ -91,7 +92,7 @@ Overlap overlap(const LabelFrame& truth, const ImageF& depth_m, const ImageU16& 
   return result;
 }
 
-void score(const Overlap& seen, const BenchOptions& options, Scores& scores) {
+void score(const Overlap& seen, const std::vector<Segment>& segments, const BenchOptions& options, Scores& scores) {
   for (const auto& [thing, pixels] : seen.thing) {
     if (pixels < options.min_pixels) continue;
     double best = 0.0;
@@ -110,6 +111,11 @@ void score(const Overlap& seen, const BenchOptions& options, Scores& scores) {
     const std::string name = synthetic::class_table()[most->first].name;
     ++scores.segments[name];
     scores.false_segments[name] += best < 0.5;
+    if (!options.list || best >= 0.5) continue;
+    const Segment& s = segments[static_cast<std::size_t>(segment - kFirstInstance)];
+    std::printf("  view %d: no thing on %s: %d px, z %.2f to %.2f, %.2f x %.2f m, %.2f m2, own %.2f%s\n", scores.views,
+                name.c_str(), s.pixels, s.bottom_m, s.top_m, s.length_m, s.width_m, s.area_m2, s.own_outline,
+                s.at_border ? ", at border" : "");
   }
 }
 
@@ -185,7 +191,7 @@ void run_scene(const BenchOptions& options, std::uint64_t seed, Scores& scores) 
     const std::vector<Segment>& segments = segmenter.segment(view, instances);
     scores.ms.push_back(cpu_ms() - start);
     ++scores.views;
-    score(overlap(truth, view.depth_m, instances), options, scores);
+    score(overlap(truth, view.depth_m, instances), segments, options, scores);
     if (options.pictures.empty()) continue;
     char name[100];
     std::snprintf(name, sizeof name, "/%s_%d_%03d.png", options.scene.c_str(), static_cast<int>(seed), number);
@@ -234,6 +240,8 @@ BenchOptions parse(int argc, char** argv) {
       options.min_pixels = std::stoi(argv[++i]);
     } else if (word == "--pictures" && has_value) {
       options.pictures = argv[++i];
+    } else if (word == "--list") {
+      options.list = true;
     } else if (options.scene.empty()) {
       options.scene = word;
     } else {
@@ -246,8 +254,9 @@ BenchOptions parse(int argc, char** argv) {
 int run(int argc, char** argv) {
   const BenchOptions options = parse(argc, argv);
   if (options.scene.empty() || options.seeds.empty() || options.every_s <= 0.0) {
-    std::fprintf(stderr,
-                 "usage: segment_bench SCENE SEED… [--every S] [--range M] [--min-pixels N] [--pictures DIR]\n");
+    std::fprintf(
+        stderr,
+        "usage: segment_bench SCENE SEED… [--every S] [--range M] [--min-pixels N] [--pictures DIR] [--list]\n");
     return 2;
   }
   Scores scores;
