@@ -75,16 +75,20 @@ void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_
   }
 }
 
-// The view as this owner's volume sees it, for the pixels of `box`.
+// The view as this owner's volume sees it, for the pixels of `box`. The buffers are kept: memory fresh from the system
+// for each call would cost as much as the work on it.
 struct Look {
-  std::unique_ptr<float[]> surface_m, clear_m;
+  std::vector<LookPixel> pixels;
+  std::vector<std::uint16_t> scratch;
+  float unit_m = 0.0F;
 
-  Look(const DepthView& view, std::uint16_t owner, const PixelBox& box, const MappingKernels& kernels) {
-    const std::size_t pixels = static_cast<std::size_t>(box.columns()) * static_cast<std::size_t>(box.rows());
-    surface_m = std::make_unique_for_overwrite<float[]>(pixels);
-    clear_m = std::make_unique_for_overwrite<float[]>(pixels);
-    const auto scratch =
-        std::make_unique_for_overwrite<float[]>(12 * static_cast<std::size_t>(box.columns() + 2 * kClearRadius));
+  void make(const DepthView& view, std::uint16_t owner, const PixelBox& box, float farthest_m,
+            const MappingKernels& kernels) {
+    const std::size_t wanted = static_cast<std::size_t>(box.columns()) * static_cast<std::size_t>(box.rows());
+    if (pixels.size() < wanted) pixels.resize(wanted);
+    const std::size_t row = static_cast<std::size_t>(kLookScratch * (box.columns() + 2 * kClearRadius));
+    if (scratch.size() < row) scratch.resize(row);
+    unit_m = farthest_m / kMostUnits;
     const LookSource source{view.depth_m.data(),
                             view.owner.data(),
                             view.camera.width,
@@ -95,8 +99,9 @@ struct Look {
                             box.columns(),
                             box.rows(),
                             kNobody,
-                            owner};
-    kernels.make_look(&source, surface_m.get(), clear_m.get(), scratch.get());
+                            owner,
+                            unit_m};
+    kernels.make_look(&source, pixels.data(), scratch.data());
   }
 };
 
@@ -106,23 +111,31 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
   const auto square = [](double a) { return static_cast<float>(a * a); };
   IntegratePass pass{};
   pass.rays = rays;
-  pass.surface_m = look.surface_m.get();
-  pass.clear_m = look.clear_m.get();
+  pass.look = look.pixels.data();
+  pass.look_unit_m = look.unit_m;
   pass.channels = view.color.channels();
   pass.color_stride = static_cast<std::int64_t>(view.color.stride());
   pass.color = view.color.empty() ? nullptr : &view.color.at(box.x0, box.y0);
   pass.truncation_m = static_cast<float>(v.truncation_m);
   pass.units_per_m = static_cast<float>(kDistanceUnits / v.truncation_m);
+  pass.m_per_unit = static_cast<float>(v.truncation_m / kDistanceUnits);
   pass.margin_m = static_cast<float>(0.5 * v.voxel_size_m);
   pass.behind_per_unit = static_cast<float>(
       v.truncation_m / std::max(v.truncation_m - v.voxel_size_m, 0.25 * v.voxel_size_m) / kDistanceUnits);
   pass.color_units = static_cast<float>(2.0 * v.voxel_size_m * kDistanceUnits / v.truncation_m);
-  pass.good_sigma2 = square(kGoodSigma_m);
   pass.quadratic2 = square(options.depth_sigma_quadratic_per_m);
   pass.floor2 = square(options.depth_sigma_floor_m);
   pass.units_per_look = kWeightUnits;
   pass.max_weight_units = static_cast<float>(std::clamp(options.max_weight * kWeightUnits, 1.0, 65535.0));
   return pass;
+}
+
+BlockPlace place_of(const VoxelProjection& projection, const BlockKey& key, const IntegrateOptions& options) {
+  const Eigen::Vector3f origin = projection.origin(key);
+  const double z_m = static_cast<double>(projection.centre_depth_m(key));
+  const double sigma_m = std::hypot(options.depth_sigma_quadratic_per_m * z_m * z_m, options.depth_sigma_floor_m);
+  const double looks = std::min(1.0, kGoodSigma_m * kGoodSigma_m / (sigma_m * sigma_m));
+  return {{origin.x(), origin.y(), origin.z()}, static_cast<float>(looks * kWeightUnits)};
 }
 
 bool has_inside(const VoxelBlock& block) {  // behind some surface
@@ -133,19 +146,22 @@ bool has_inside(const VoxelBlock& block) {  // behind some surface
 
 // Of the blocks whose last surface has gone, and their neighbours: those that no surface needs are given back.
 int remove_emptied(Volume& volume, const std::vector<BlockKey>& emptied) {
-  BlockPatch patch;
-  std::vector<BlockKey> useless;
+  std::vector<int> asked;
   for (const BlockKey& key : emptied) {
     for (int k = 0; k < 27; ++k) {
-      const BlockKey near{key.x + k % 3 - 1, key.y + k / 3 % 3 - 1, key.z + k / 9 - 1};
-      const int index = volume.find(near);
-      if (index < 0 || has_inside(volume.block(index)) || patch.load(volume, index, 0.0)) continue;
-      useless.push_back(near);
+      const int index = volume.find({key.x + k % 3 - 1, key.y + k / 3 % 3 - 1, key.z + k / 9 - 1});
+      if (index >= 0 && !has_inside(volume.block(index))) asked.push_back(index);
     }
   }
-  const int before = volume.num_blocks();
+  std::sort(asked.begin(), asked.end());
+  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+  BlockPatch patch;
+  std::vector<BlockKey> useless;
+  for (const int index : asked) {
+    if (!patch.load(volume, index, 0.0)) useless.push_back(volume.key(index));
+  }
   for (const BlockKey& key : useless) volume.remove(key);
-  return before - volume.num_blocks();
+  return static_cast<int>(useless.size());
 }
 
 }  // namespace
@@ -162,14 +178,15 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
 
   const MappingKernels& kernels = mapping_kernels();
   const VoxelProjection projection(volume, view.camera, visible.box, T_camera_volume);
-  const Look look(view, owner, visible.box, kernels);
+  thread_local Look look;
+  look.make(view, owner, visible.box, visible.farthest_m, kernels);
   const IntegratePass pass = make_pass(volume, view, options, visible.box, projection.rays(), look);
   std::vector<BlockKey> emptied;
   for (const int index : visible.indices) {
     VoxelBlock& block = volume.block(index);
-    const Eigen::Vector3f origin = projection.origin(block.key);
+    const BlockPlace place = place_of(projection, block.key, options);
     const unsigned outcome =
-        kernels.integrate_block(&pass, origin.data(), block.distance.data(), block.weight.data(), block.color.data());
+        kernels.integrate_block(&pass, &place, block.distance.data(), block.weight.data(), block.color.data());
     if ((outcome & kBlockChanged) != 0) volume.mark_changed(index);
     if ((outcome & kBlockEmptied) != 0 && !has_inside(block)) emptied.push_back(block.key);
   }

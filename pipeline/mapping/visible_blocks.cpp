@@ -71,7 +71,8 @@ VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const 
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
   const Eigen::Matrix3f rotation = T_camera_volume.matrix3().cast<float>() * edge_m;
   const Eigen::Vector3f first = T_camera_volume.translation.cast<float>() + rotation * Eigen::Vector3f::Constant(0.5F);
-  const float most = farthest.within({0, 0, view.camera.width, view.camera.height}) + truncation_m;
+  visible.farthest_m = farthest.within({0, 0, view.camera.width, view.camera.height});
+  const float most = visible.farthest_m + truncation_m;
   PixelBox all{view.camera.width, view.camera.height, 0, 0};
   for (int index = 0; index < volume.num_blocks(); ++index) {
     const BlockKey& key = volume.key(index);
@@ -112,6 +113,11 @@ BlockRays VoxelProjection::rays() const {
 Eigen::Vector3f VoxelProjection::origin(const BlockKey& key) const {
   const Eigen::Vector3d voxel = kBlockEdge * Eigen::Vector3d(key.x, key.y, key.z) + Eigen::Vector3d::Constant(0.5);
   return (rotation_ * (voxel * voxel_size_m_) + translation_).cast<float>();
+}
+
+float VoxelProjection::centre_depth_m(const BlockKey& key) const {
+  const Eigen::Vector3d centre = kBlockEdge * (Eigen::Vector3d(key.x, key.y, key.z) + Eigen::Vector3d::Constant(0.5));
+  return static_cast<float>(rotation_.row(2).dot(centre) * voxel_size_m_ + translation_.z());
 }
 
 }  // namespace povslam

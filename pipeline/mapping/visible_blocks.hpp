@@ -17,7 +17,8 @@ struct PixelBox {  // of an image: columns x0 … x1 - 1
 
 struct VisibleBlocks {
   std::vector<int> indices;
-  PixelBox box;  // holds all pixels they fall on
+  PixelBox box;             // holds all pixels they fall on
+  float farthest_m = 0.0F;  // the largest depth measured in the whole picture
 };
 // Of the blocks that lie in the picture, not wholly behind what was measured there by more than the truncation.
 VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume);
@@ -29,6 +30,7 @@ class VoxelProjection {
                   const Rigid3& T_camera_volume);
   BlockRays rays() const;
   Eigen::Vector3f origin(const BlockKey& key) const;  // of its voxel 0
+  float centre_depth_m(const BlockKey& key) const;
 
  private:
   PixelBox box_;

@@ -102,6 +102,18 @@ POVSLAM_INLINE unsigned bits(Mask mask) {
 POVSLAM_INLINE Floats gather(const float* base, Ints index, Mask mask) {
   return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), mask, index, base, 4);
 }
+POVSLAM_INLINE Ints gather(const uint32_t* base, Ints index, Mask mask) {
+  return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), mask, index, base, 4);
+}
+POVSLAM_INLINE Ints and_bits(Ints a, int mask) {
+  return _mm512_and_si512(a, _mm512_set1_epi32(mask));
+}
+POVSLAM_INLINE Ints high_half(Ints a) {
+  return _mm512_srli_epi32(a, 16);
+}
+POVSLAM_INLINE Floats to_floats(Ints a) {
+  return _mm512_cvtepi32_ps(a);
+}
 #elif defined(__AVX2__)
 enum { kLanes = 8 };
 using Floats = __m256;
@@ -191,6 +203,19 @@ POVSLAM_INLINE unsigned bits(Mask mask) {
 }
 POVSLAM_INLINE Floats gather(const float* base, Ints index, Mask mask) {
   return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index, mask, 4);
+}
+POVSLAM_INLINE Ints gather(const uint32_t* base, Ints index, Mask mask) {
+  return _mm256_mask_i32gather_epi32(_mm256_setzero_si256(), reinterpret_cast<const int*>(base), index,
+                                     _mm256_castps_si256(mask), 4);
+}
+POVSLAM_INLINE Ints and_bits(Ints a, int mask) {
+  return _mm256_and_si256(a, _mm256_set1_epi32(mask));
+}
+POVSLAM_INLINE Ints high_half(Ints a) {
+  return _mm256_srli_epi32(a, 16);
+}
+POVSLAM_INLINE Floats to_floats(Ints a) {
+  return _mm256_cvtepi32_ps(a);
 }
 #else
 enum { kLanes = 4 };
@@ -286,6 +311,25 @@ POVSLAM_INLINE Floats gather(const float* base, Ints index, Mask mask) {
     value[lane] = base[at[lane]];
   }
   return load(value);
+}
+POVSLAM_INLINE Ints gather(const uint32_t* base, Ints index, Mask mask) {
+  alignas(16) int32_t at[4];
+  alignas(16) uint32_t value[4] = {0, 0, 0, 0};
+  store(at, index);
+  for (unsigned left = bits(mask); left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    value[lane] = base[at[lane]];
+  }
+  return _mm_load_si128(reinterpret_cast<const __m128i*>(value));
+}
+POVSLAM_INLINE Ints and_bits(Ints a, int mask) {
+  return _mm_and_si128(a, _mm_set1_epi32(mask));
+}
+POVSLAM_INLINE Ints high_half(Ints a) {
+  return _mm_srli_epi32(a, 16);
+}
+POVSLAM_INLINE Floats to_floats(Ints a) {
+  return _mm_cvtepi32_ps(a);
 }
 #endif
 
