@@ -22,7 +22,7 @@ class Allocator {
   Allocator(Volume& volume, IntegrateReport& report) : volume_(volume), report_(report) {}
 
   void ask(const BlockKey& key) {
-    BlockKey& recent = recent_[static_cast<std::size_t>((key.x & 7) | (key.y & 7) << 3 | (key.z & 7) << 6)];
+    BlockKey& recent = recent_[static_cast<std::size_t>((key.x & 15) | (key.y & 15) << 4 | (key.z & 15) << 8)];
     if (recent == key) return;
     recent = key;
     const int before = volume_.num_blocks();
@@ -34,10 +34,11 @@ class Allocator {
   }
 
  private:
+  static constexpr int kRecent = 4096;
   Volume& volume_;
   IntegrateReport& report_;
-  std::array<BlockKey, 512> recent_ = [] {
-    std::array<BlockKey, 512> none{};
+  std::array<BlockKey, kRecent> recent_ = [] {
+    std::array<BlockKey, kRecent> none{};
     none.fill({1 << 30, 1 << 30, 1 << 30});
     return none;
   }();
@@ -130,6 +131,17 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
   return pass;
 }
 
+// Starts to bring a block near while another one is worked on.
+void fetch(const VoxelBlock& block, bool color) {
+  const auto lines = [](const auto& values) {
+    const auto* bytes = reinterpret_cast<const char*>(values.data());
+    for (std::size_t k = 0; k < sizeof(values); k += 64) __builtin_prefetch(bytes + k, 1);
+  };
+  lines(block.distance);
+  lines(block.weight);
+  if (color) lines(block.color);
+}
+
 BlockPlace place_of(const VoxelProjection& projection, const BlockKey& key, const IntegrateOptions& options) {
   const Eigen::Vector3f origin = projection.origin(key);
   const double z_m = static_cast<double>(projection.centre_depth_m(key));
@@ -182,7 +194,9 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
   look.make(view, owner, visible.box, visible.farthest_m, kernels);
   const IntegratePass pass = make_pass(volume, view, options, visible.box, projection.rays(), look);
   std::vector<BlockKey> emptied;
-  for (const int index : visible.indices) {
+  for (std::size_t k = 0; k < visible.indices.size(); ++k) {
+    const int index = visible.indices[k];
+    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]), pass.color != nullptr);
     VoxelBlock& block = volume.block(index);
     const BlockPlace place = place_of(projection, block.key, options);
     const unsigned outcome =

@@ -71,7 +71,9 @@ unsigned integrate_block(const IntegratePass* pass, const BlockPlace* place, int
     const Mask known = above(looks, zero);
     const Look look = look_at_voxels(*pass, rays, stored, known);
     const Mask touched = either(look.surface, look.empty);
-    if (bits(touched) == 0) continue;
+    const Mask as_before =
+        both(but_not(look.free, above(fill(kFullUnits), stored)), at_least(looks, fill(pass->units_per_look)));
+    if (bits(but_not(touched, as_before)) == 0) continue;  // nothing seen, or free and known to be
 
     // What contradicts an earlier surface halves its weight: the surface is gone after a few looks, however old it is.
     const Floats before = select(look.contradicts, round_down(looks * fill(0.5F)), looks);
