@@ -44,33 +44,72 @@ class Allocator {
   }();
 };
 
+// The owner's pixels of one row of the image, as rays in blocks from the camera on, for loops that become vectors.
+struct RayRow {
+  std::vector<float> depth_m, x, y, z;
+  std::vector<std::uint32_t> key;  // kBits each of x, y, z, from kHalf before the camera's block on
+  static constexpr int kBits = 10, kHalf = 1 << (kBits - 1);
+
+  void read(const DepthView& view, std::uint16_t owner, int row, int stride_px, const Eigen::Matrix3f& rotation) {
+    const auto fx = static_cast<float>(view.camera.fx), fy = static_cast<float>(view.camera.fy);
+    const auto cx = static_cast<float>(view.camera.cx), cy = static_cast<float>(view.camera.cy);
+    const Eigen::Vector3f first = rotation.col(2) + rotation.col(1) * ((static_cast<float>(row) - cy) / fy);
+    const Eigen::Vector3f along = rotation.col(0) / fx;
+    for (std::vector<float>* values : {&depth_m, &x, &y, &z}) values->clear();
+    const float* depth = view.depth_m.row(row);
+    const std::uint16_t* whose = view.owner.row(row);
+    for (int column = 0; column < view.camera.width; column += stride_px) {
+      if (whose[column] != owner || !(depth[column] > 0.0F)) continue;
+      const float off = static_cast<float>(column) - cx;
+      depth_m.push_back(depth[column]);
+      x.push_back(first.x() + along.x() * off);
+      y.push_back(first.y() + along.y() * off);
+      z.push_back(first.z() + along.z() * off);
+    }
+    key.resize(depth_m.size());
+  }
+
+  // The blocks at `ahead_m` beyond the surfaces. start: where the camera is within its block, plus kHalf.
+  void find_keys(float ahead_m, const Eigen::Vector3f& start) {
+    const float sx = start.x(), sy = start.y(), sz = start.z();
+    const float *d = depth_m.data(), *rx = x.data(), *ry = y.data(), *rz = z.data();
+    std::uint32_t* out = key.data();
+    const std::size_t count = depth_m.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      const float far = d[k] + ahead_m, at = far > 0.0F ? far : 0.0F;
+      const int bx = static_cast<int>(sx + rx[k] * at), by = static_cast<int>(sy + ry[k] * at),
+                bz = static_cast<int>(sz + rz[k] * at);
+      out[k] = static_cast<std::uint32_t>(bx | by << kBits | bz << 2 * kBits);
+    }
+  }
+};
+
 void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_volume_camera,
                              int stride_px, IntegrateReport& report) {
   Allocator allocator(volume, report);
-  const auto per_block = static_cast<float>(1.0 / (kBlockEdge * volume.options().voxel_size_m));
+  const double per_block = 1.0 / (kBlockEdge * volume.options().voxel_size_m);
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
   // Half a block from sample to sample along the ray.
-  const int steps = std::max(1, static_cast<int>(std::ceil(4.0F * truncation_m * per_block)));
-  const float step_m = 2.0F * truncation_m / static_cast<float>(steps);
-  const Eigen::Matrix3f rotation = T_volume_camera.matrix3().cast<float>() * per_block;
-  const Eigen::Vector3f start = T_volume_camera.translation.cast<float>() * per_block;
-  const auto inverse_fx = static_cast<float>(1.0 / view.camera.fx),
-             inverse_fy = static_cast<float>(1.0 / view.camera.fy);
-  const auto cx = static_cast<float>(view.camera.cx), cy = static_cast<float>(view.camera.cy);
-  for (int y = 0; y < view.camera.height; y += stride_px) {
-    const Eigen::Vector3f row = rotation.col(2) + rotation.col(1) * ((static_cast<float>(y) - cy) * inverse_fy) -
-                                rotation.col(0) * (cx * inverse_fx);
-    const Eigen::Vector3f along = rotation.col(0) * inverse_fx;
-    const float* depth = view.depth_m.row(y);
-    const std::uint16_t* whose = view.owner.row(y);
-    for (int x = 0; x < view.camera.width; x += stride_px) {
-      if (whose[x] != owner || !(depth[x] > 0.0F)) continue;
-      const Eigen::Vector3f ray = row + along * static_cast<float>(x);
-      for (int k = 0; k <= steps; ++k) {
-        const float z = std::max(depth[x] - truncation_m + static_cast<float>(k) * step_m, 0.0F);
-        const Eigen::Vector3f at = (start + ray * z).array().floor();
-        allocator.ask(
-            {static_cast<std::int32_t>(at.x()), static_cast<std::int32_t>(at.y()), static_cast<std::int32_t>(at.z())});
+  const int steps = std::max(1, static_cast<int>(std::ceil(4.0 * volume.options().truncation_m * per_block)));
+  const Eigen::Matrix3f rotation = (T_volume_camera.matrix3() * per_block).cast<float>();
+  const Eigen::Vector3d camera = T_volume_camera.translation * per_block;
+  const Eigen::Vector3d base = camera.array().floor() - RayRow::kHalf;
+  const Eigen::Vector3f start = (camera - base).cast<float>();
+  const BlockKey origin{static_cast<std::int32_t>(base.x()), static_cast<std::int32_t>(base.y()),
+                        static_cast<std::int32_t>(base.z())};
+  constexpr std::uint32_t kMask = (1U << RayRow::kBits) - 1;
+  RayRow rays;
+  for (int row = 0; row < view.camera.height; row += stride_px) {
+    rays.read(view, owner, row, stride_px, rotation);
+    for (int k = 0; k <= steps; ++k) {
+      rays.find_keys(truncation_m * (2.0F * static_cast<float>(k) / static_cast<float>(steps) - 1.0F), start);
+      std::uint32_t last = ~0U;
+      for (const std::uint32_t key : rays.key) {
+        if (key == last) continue;
+        last = key;
+        allocator.ask({origin.x + static_cast<std::int32_t>(key & kMask),
+                       origin.y + static_cast<std::int32_t>(key >> RayRow::kBits & kMask),
+                       origin.z + static_cast<std::int32_t>(key >> 2 * RayRow::kBits & kMask)});
       }
     }
   }
@@ -117,13 +156,14 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
   pass.channels = view.color.channels();
   pass.color_stride = static_cast<std::int64_t>(view.color.stride());
   pass.color = view.color.empty() ? nullptr : &view.color.at(box.x0, box.y0);
+  pass.color_last = view.color.size() < 4 ? nullptr : view.color.data() + view.color.size() - 4;
   pass.truncation_m = static_cast<float>(v.truncation_m);
   pass.units_per_m = static_cast<float>(kDistanceUnits / v.truncation_m);
   pass.m_per_unit = static_cast<float>(v.truncation_m / kDistanceUnits);
   pass.margin_m = static_cast<float>(0.5 * v.voxel_size_m);
   pass.behind_per_unit = static_cast<float>(
       v.truncation_m / std::max(v.truncation_m - v.voxel_size_m, 0.25 * v.voxel_size_m) / kDistanceUnits);
-  pass.color_units = static_cast<float>(2.0 * v.voxel_size_m * kDistanceUnits / v.truncation_m);
+  pass.color_units = static_cast<float>(1.25 * v.voxel_size_m * kDistanceUnits / v.truncation_m);
   pass.quadratic2 = square(options.depth_sigma_quadratic_per_m);
   pass.floor2 = square(options.depth_sigma_floor_m);
   pass.units_per_look = kWeightUnits;

@@ -102,8 +102,12 @@ VoxelProjection::VoxelProjection(const Volume& volume, const PinholeCamera& came
 
 BlockRays VoxelProjection::rays() const {
   BlockRays rays{};
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int c = 0; c < 3; ++c) rays.along[axis][c] = static_cast<float>(rotation_(c, axis) * voxel_size_m_);
+  const Eigen::Matrix3d along = rotation_ * voxel_size_m_;
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 0; k < kBlockEdge * kBlockEdge; ++k) {
+      rays.in_slice[c][k] = static_cast<float>(along(c, 0) * (k % kBlockEdge) + along(c, 1) * (k / kBlockEdge));
+    }
+    rays.next_slice[c] = static_cast<float>(along(c, 2));
   }
   rays.columns = box_.columns();
   rays.rows = box_.rows();

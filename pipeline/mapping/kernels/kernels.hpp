@@ -28,10 +28,11 @@ constexpr float kMostUnits = 65000.0F;
 using LookPixel = uint32_t;
 enum { kLookScratch = 12 };
 
-// Where a block's voxels fall: voxel (x, y, z) of it has p = origin + x along[0] + y along[1] + z along[2], and lies at
-// depth p[2] [m] in pixel (p[0], p[1]) / p[2] of the part.
+// Where a block's voxels fall: voxel (x, y, z) of it has p = origin + in_slice(x, y) + z next_slice, and lies at depth
+// p[2] [m] in pixel (p[0], p[1]) / p[2] of the part.
 struct BlockRays {
-  float along[3][3];
+  float in_slice[3][64];  // of x + 8 y
+  float next_slice[3];
   int columns, rows;  // px, of the part
 };
 struct BlockPlace {
@@ -43,9 +44,10 @@ struct IntegratePass {  // the same for all blocks of a call
   BlockRays rays;
   const LookPixel* look;  // of the part
   float look_unit_m;
-  const uint8_t* color;  // of the part's first pixel; null: none
-  int64_t color_stride;  // bytes
-  int channels;          // 1 or 3
+  const uint8_t* color;       // of the part's first pixel; null: none
+  const uint8_t* color_last;  // the last four bytes of the image
+  int64_t color_stride;       // bytes
+  int channels;               // 1 or 3
   float truncation_m;
   float units_per_m, m_per_unit;  // of stored distance
   float margin_m;                 // with 2 sigma: how far beyond a surface is clearly beyond

@@ -25,10 +25,6 @@ POVSLAM_INLINE Floats fill(float a) {
 POVSLAM_INLINE Ints fill_int(int a) {
   return _mm512_set1_epi32(a);
 }
-// Eight lanes of each.
-POVSLAM_INLINE Floats fill_rows(float first, float second) {
-  return _mm512_mask_blend_ps(0xFF00, _mm512_set1_ps(first), _mm512_set1_ps(second));
-}
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm512_loadu_ps(p);
 }
@@ -83,14 +79,18 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm512_cmpgt_epi32_mask(a, b);
 }
+// 0 <= a < size
+POVSLAM_INLINE Mask within(Ints a, int size) {
+  return _mm512_cmplt_epu32_mask(a, _mm512_set1_epi32(size));
+}
 POVSLAM_INLINE Mask both(Mask a, Mask b) {
-  return static_cast<Mask>(a & b);
+  return _kand_mask16(a, b);
 }
 POVSLAM_INLINE Mask either(Mask a, Mask b) {
-  return static_cast<Mask>(a | b);
+  return _kor_mask16(a, b);
 }
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
-  return static_cast<Mask>(a & ~b);
+  return _kandn_mask16(b, a);
 }
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm512_mask_blend_ps(mask, no, yes);
@@ -124,9 +124,6 @@ POVSLAM_INLINE Floats fill(float a) {
 }
 POVSLAM_INLINE Ints fill_int(int a) {
   return _mm256_set1_epi32(a);
-}
-POVSLAM_INLINE Floats fill_rows(float first, float) {
-  return fill(first);
 }
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm256_loadu_ps(p);
@@ -186,6 +183,9 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b));
 }
+POVSLAM_INLINE Mask within(Ints a, int size) {
+  return _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(a, _mm256_set1_epi32(size - 1)), a));
+}
 POVSLAM_INLINE Mask both(Mask a, Mask b) {
   return _mm256_and_ps(a, b);
 }
@@ -227,9 +227,6 @@ POVSLAM_INLINE Floats fill(float a) {
 }
 POVSLAM_INLINE Ints fill_int(int a) {
   return _mm_set1_epi32(a);
-}
-POVSLAM_INLINE Floats fill_rows(float first, float) {
-  return fill(first);
 }
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm_loadu_ps(p);
@@ -286,6 +283,9 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 }
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm_castsi128_ps(_mm_cmpgt_epi32(a, b));
+}
+POVSLAM_INLINE Mask within(Ints a, int size) {
+  return _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_min_epu32(a, _mm_set1_epi32(size - 1)), a));
 }
 POVSLAM_INLINE Mask both(Mask a, Mask b) {
   return _mm_and_ps(a, b);

@@ -48,7 +48,18 @@ struct Case {
     return {depth_m.data(), owner.data(), kColumns, kRows, kColumns, x0, y0, columns, rows, 0, 2, kUnit_m};
   }
   static BlockRays rays() {
-    return {{{4.1F, 0.2F, 0.01F}, {-0.1F, 4.0F, -0.02F}, {1.0F, 0.5F, 0.05F}}, kColumns, kRows};
+    constexpr float kAlong[3][3] = {
+        {4.1F, -0.1F, 1.0F}, {0.2F, 4.0F, 0.5F}, {0.01F, -0.02F, 0.05F}};  // x, y, z of each
+    BlockRays rays{};
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < 64; ++k) {
+        rays.in_slice[c][k] = kAlong[c][0] * static_cast<float>(k % 8) + kAlong[c][1] * static_cast<float>(k / 8);
+      }
+      rays.next_slice[c] = kAlong[c][2];
+    }
+    rays.columns = kColumns;
+    rays.rows = kRows;
+    return rays;
   }
 };
 
@@ -66,6 +77,7 @@ std::vector<unsigned> integrate_all(const MappingKernels& kernels, Case& c, int 
   pass.look = look.data();
   pass.look_unit_m = kUnit_m;
   pass.color = channels == 0 ? nullptr : c.color.data();
+  pass.color_last = c.color.data() + channels * kColumns * kRows - 4;
   pass.color_stride = channels * kColumns;
   pass.channels = channels;
   pass.truncation_m = 0.2F;
