@@ -147,26 +147,23 @@ struct Look {
 
 IntegratePass make_pass(const Volume& volume, const DepthView& view, const IntegrateOptions& options,
                         const PixelBox& box, const BlockRays& rays, const Look& look) {
-  const VolumeOptions& v = volume.options();
-  const auto square = [](double a) { return static_cast<float>(a * a); };
+  const double units_per_m = kDistanceUnits / volume.options().truncation_m;
+  const double voxel = volume.options().voxel_size_m * units_per_m;
   IntegratePass pass{};
   pass.rays = rays;
   pass.look = look.pixels.data();
-  pass.look_unit_m = look.unit_m;
-  pass.channels = view.color.channels();
-  pass.color_stride = static_cast<std::int64_t>(view.color.stride());
+  pass.look_unit = static_cast<float>(static_cast<double>(look.unit_m) * units_per_m);
   pass.color = view.color.empty() ? nullptr : &view.color.at(box.x0, box.y0);
   pass.color_last = view.color.size() < 4 ? nullptr : view.color.data() + view.color.size() - 4;
-  pass.truncation_m = static_cast<float>(v.truncation_m);
-  pass.units_per_m = static_cast<float>(kDistanceUnits / v.truncation_m);
-  pass.m_per_unit = static_cast<float>(v.truncation_m / kDistanceUnits);
-  pass.margin_m = static_cast<float>(0.5 * v.voxel_size_m);
-  pass.behind_per_unit = static_cast<float>(
-      v.truncation_m / std::max(v.truncation_m - v.voxel_size_m, 0.25 * v.voxel_size_m) / kDistanceUnits);
-  pass.color_units = static_cast<float>(1.25 * v.voxel_size_m * kDistanceUnits / v.truncation_m);
-  pass.quadratic2 = square(options.depth_sigma_quadratic_per_m);
-  pass.floor2 = square(options.depth_sigma_floor_m);
-  pass.units_per_look = kWeightUnits;
+  pass.color_stride = static_cast<std::int64_t>(view.color.stride());
+  pass.channels = view.color.channels();
+  pass.margin = static_cast<float>(0.5 * voxel);
+  const double quadratic = 2.0 * options.depth_sigma_quadratic_per_m / units_per_m;
+  const double floor = 2.0 * options.depth_sigma_floor_m * units_per_m;
+  pass.quadratic = static_cast<float>(quadratic * quadratic);
+  pass.floor = static_cast<float>(floor * floor);
+  pass.behind_per_unit = static_cast<float>(1.0 / std::max(kDistanceUnits - voxel, 0.25 * voxel));
+  pass.near_surface = static_cast<float>(1.25 * voxel);
   pass.max_weight_units = static_cast<float>(std::clamp(options.max_weight * kWeightUnits, 1.0, 65535.0));
   return pass;
 }

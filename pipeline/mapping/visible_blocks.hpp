@@ -23,7 +23,7 @@ struct VisibleBlocks {
 // Of the blocks that lie in the picture, not wholly behind what was measured there by more than the truncation.
 VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume);
 
-// Projection of voxel centres into pixels of `box`.
+// Projection of voxel centres into pixels of `box`, with depths in the volume's distance units.
 class VoxelProjection {
  public:
   VoxelProjection(const Volume& volume, const PinholeCamera& camera, const PixelBox& box,
@@ -34,8 +34,8 @@ class VoxelProjection {
 
  private:
   PixelBox box_;
-  double voxel_size_m_;
-  Eigen::Matrix3d rotation_;  // volume to pixel times depth
+  double voxel_size_m_, units_per_m_;
+  Eigen::Matrix3d rotation_;  // volume [m] to pixel times depth
   Eigen::Vector3d translation_;
 };
 

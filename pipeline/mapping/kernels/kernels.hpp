@@ -29,10 +29,13 @@ using LookPixel = uint32_t;
 enum { kLookScratch = 12 };
 
 // Where a block's voxels fall: voxel (x, y, z) of it has p = origin + in_slice(x, y) + z next_slice, and lies at depth
-// p[2] [m] in pixel (p[0], p[1]) / p[2] of the part.
+// p[2] in pixel (p[0], p[1]) / p[2] of the part. Depths, as the distances in blocks, are in units of which the
+// truncation has kFullUnits.
+constexpr float kFullUnits = 32000.0F;  // as kDistanceUnits of volume.hpp
 struct BlockRays {
   float in_slice[3][64];  // of x + 8 y
   float next_slice[3];
+  float near;         // voxels nearer than this are not projected
   int columns, rows;  // px, of the part
 };
 struct BlockPlace {
@@ -42,19 +45,17 @@ struct BlockPlace {
 
 struct IntegratePass {  // the same for all blocks of a call
   BlockRays rays;
-  const LookPixel* look;  // of the part
-  float look_unit_m;
+  const LookPixel* look;      // of the part
+  float look_unit;            // distance units
   const uint8_t* color;       // of the part's first pixel; null: none
   const uint8_t* color_last;  // the last four bytes of the image
   int64_t color_stride;       // bytes
   int channels;               // 1 or 3
-  float truncation_m;
-  float units_per_m, m_per_unit;  // of stored distance
-  float margin_m;                 // with 2 sigma: how far beyond a surface is clearly beyond
-  float behind_per_unit;          // slope of the weight behind a surface: 0 at the truncation, full at a voxel
-  float color_units;              // voxels this near to the surface take its colour
-  float quadratic2, floor2;       // [1/m^2, m^2] variance of a depth z: quadratic z^4 + floor
-  float units_per_look, max_weight_units;
+  float margin;               // with 2 sigma: how far beyond a surface is clearly beyond
+  float quadratic, floor;     // (2 sigma)^2 of a depth z = quadratic z^4 + floor
+  float behind_per_unit;      // slope of the weight behind a surface: 0 at the truncation, full at a voxel
+  float near_surface;         // voxels within it take the surface's colour
+  float max_weight_units;
 };
 
 // Of a block: some distance is another, or known now; some voxel behind a surface was seen empty.
@@ -63,7 +64,7 @@ enum { kBlockChanged = 1, kBlockEmptied = 2 };
 struct ComparePass {
   BlockRays rays;
   const float* depth_m;  // rows lie rays.columns apart
-  float truncation_m, units_per_m;
+  float units_per_m;
 };
 struct CompareSum {
   int64_t voxels, difference_units;

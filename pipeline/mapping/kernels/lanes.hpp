@@ -84,13 +84,13 @@ POVSLAM_INLINE Mask within(Ints a, int size) {
   return _mm512_cmplt_epu32_mask(a, _mm512_set1_epi32(size));
 }
 POVSLAM_INLINE Mask both(Mask a, Mask b) {
-  return _kand_mask16(a, b);
+  return static_cast<Mask>(a & b);
 }
 POVSLAM_INLINE Mask either(Mask a, Mask b) {
-  return _kor_mask16(a, b);
+  return static_cast<Mask>(a | b);
 }
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
-  return _kandn_mask16(b, a);
+  return static_cast<Mask>(a & ~b);
 }
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm512_mask_blend_ps(mask, no, yes);

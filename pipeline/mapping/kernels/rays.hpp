@@ -9,13 +9,10 @@ namespace povslam::POVSLAM_ISA {
 enum { kEdge = 8, kVoxels = kEdge * kEdge * kEdge };
 
 struct Rays {
-  Floats depth_m;
+  Floats depth;             // distance units
   Ints column, row, pixel;  // nearest one, and its index
   Mask inside;              // before the camera and in the part
 };
-
-// Voxels whose depth is less than this are not projected.
-constexpr float kNear_m = 0.02F;
 
 POVSLAM_INLINE Floats coordinate(const BlockRays& rays, const float* origin, int voxel, int axis) {
   const float slice = origin[axis] + static_cast<float>(voxel / (kEdge * kEdge)) * rays.next_slice[axis];
@@ -25,12 +22,12 @@ POVSLAM_INLINE Floats coordinate(const BlockRays& rays, const float* origin, int
 // Of `kLanes` voxels from `voxel` on. What lies too far off for an integer becomes the least one.
 POVSLAM_INLINE Rays project(const BlockRays& rays, const float* origin, int voxel) {
   Rays out;
-  out.depth_m = coordinate(rays, origin, voxel, 2);
-  const Floats inverse = fill(1.0F) / out.depth_m;
+  out.depth = coordinate(rays, origin, voxel, 2);
+  const Floats inverse = fill(1.0F) / out.depth;
   out.column = round_to_int(coordinate(rays, origin, voxel, 0) * inverse);
   out.row = round_to_int(coordinate(rays, origin, voxel, 1) * inverse);
   out.inside =
-      both(above(out.depth_m, fill(kNear_m)), both(within(out.column, rays.columns), within(out.row, rays.rows)));
+      both(above(out.depth, fill(rays.near)), both(within(out.column, rays.columns), within(out.row, rays.rows)));
   out.pixel = add(multiply(out.row, fill_int(rays.columns)), out.column);
   return out;
 }

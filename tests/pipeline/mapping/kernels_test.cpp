@@ -12,7 +12,7 @@ namespace povslam {
 namespace {
 
 constexpr int kColumns = 97, kRows = 61;
-constexpr float kUnit_m = 2.1F / kMostUnits;
+constexpr float kUnit_m = 2.1F / kMostUnits, kUnitsPer_m = kFullUnits / 0.2F;
 
 // Blocks with any content before a picture with any content: each branch is taken somewhere.
 struct Case {
@@ -41,7 +41,8 @@ struct Case {
         blocks[b].weight[k] = static_cast<std::uint16_t>(random() % 6400);
       }
       const float z = 0.9F + 0.06F * static_cast<float>(b);
-      origins[b] = {z * 110.0F * uniform(random) - 10.0F, z * 60.0F * uniform(random), z};
+      origins[b] = {kUnitsPer_m * (z * 110.0F * uniform(random) - 10.0F), kUnitsPer_m * (z * 60.0F * uniform(random)),
+                    kUnitsPer_m * z};
     }
   }
   LookSource source(int x0, int y0, int columns, int rows) const {
@@ -53,9 +54,10 @@ struct Case {
     BlockRays rays{};
     for (int c = 0; c < 3; ++c) {
       for (int k = 0; k < 64; ++k) {
-        rays.in_slice[c][k] = kAlong[c][0] * static_cast<float>(k % 8) + kAlong[c][1] * static_cast<float>(k / 8);
+        rays.in_slice[c][k] =
+            kUnitsPer_m * (kAlong[c][0] * static_cast<float>(k % 8) + kAlong[c][1] * static_cast<float>(k / 8));
       }
-      rays.next_slice[c] = kAlong[c][2];
+      rays.next_slice[c] = kUnitsPer_m * kAlong[c][2];
     }
     rays.columns = kColumns;
     rays.rows = kRows;
@@ -75,20 +77,16 @@ std::vector<unsigned> integrate_all(const MappingKernels& kernels, Case& c, int 
   IntegratePass pass{};
   pass.rays = Case::rays();
   pass.look = look.data();
-  pass.look_unit_m = kUnit_m;
+  pass.look_unit = kUnit_m * kUnitsPer_m;
   pass.color = channels == 0 ? nullptr : c.color.data();
   pass.color_last = c.color.data() + channels * kColumns * kRows - 4;
   pass.color_stride = channels * kColumns;
   pass.channels = channels;
-  pass.truncation_m = 0.2F;
-  pass.units_per_m = kDistanceUnits / 0.2F;
-  pass.m_per_unit = 0.2F / kDistanceUnits;
-  pass.margin_m = 0.025F;
-  pass.behind_per_unit = 0.2F / 0.15F / kDistanceUnits;
-  pass.color_units = 16000.0F;
-  pass.quadratic2 = 6.25e-6F;
-  pass.floor2 = 9e-6F;
-  pass.units_per_look = kWeightUnits;
+  pass.margin = 4000.0F;
+  pass.quadratic = 1e-15F;
+  pass.floor = 9e5F;
+  pass.behind_per_unit = 1.0F / 24000.0F;
+  pass.near_surface = 16000.0F;
   pass.max_weight_units = 6400.0F;
   std::vector<unsigned> outcomes;
   for (std::size_t b = 0; b < c.blocks.size(); ++b) {
@@ -144,7 +142,7 @@ TEST_P(MappingKernelsOf, GiveTheSameBitsAsTheNarrowest) {
 
 TEST_P(MappingKernelsOf, CompareWithTheSameSumAsTheNarrowest) {
   const Case c;
-  const ComparePass pass{Case::rays(), c.depth_m.data(), 0.2F, kDistanceUnits / 0.2F};
+  const ComparePass pass{Case::rays(), c.depth_m.data(), kUnitsPer_m};
   std::int64_t voxels = 0;
   for (std::size_t b = 0; b < c.blocks.size(); ++b) {
     const VoxelBlock& block = c.blocks[b];
