@@ -35,23 +35,22 @@ struct Look {
 // Space is empty where the view sees beyond by more than the truncation. A voxel behind a surface contradicts the view
 // if it sees clearly beyond that surface: by the margin and 2 sigma; if somebody else's surface is there, it is empty
 // too.
-POVSLAM_INLINE Look look_at_voxels(const IntegratePass& pass, const Rays& rays, const Voxels& v) {
+POVSLAM_INLINE Look look_at_voxels(const IntegratePass& pass, Ints pixel, Floats depth, const Voxels& v) {
   const Floats full = fill(kFullUnits), zero = fill(0.0F);
-  const Ints pixel = gather(pass.look, rays.pixel, rays.inside);
-  const Floats surface = to_floats(and_bits(pixel, 0xFFFF)) * fill(pass.look_unit), ahead = surface - rays.depth;
-  const Mask measured = above(surface, zero);
-  const Mask visible = but_not(rays.inside, both(measured, above(fill(-kFullUnits), ahead)));
+  const Floats surface = to_floats(and_bits(pixel, 0xFFFF)) * fill(pass.look_unit), ahead = surface - depth;
+  const Mask measured = above(surface, zero), not_hidden = at_least(ahead, fill(-kFullUnits));
   Look look;
-  look.surface = both(both(measured, visible), at_least(full, ahead));
+  look.surface = both(both(measured, not_hidden), at_least(full, ahead));
   look.observed = select(look.surface, ahead, full);
   look.empty = look.hidden = look.contradicts = but_not(measured, measured);
   const Mask conflict = both(v.behind, above(ahead - v.stored, fill(pass.margin)));
-  const Mask ask = but_not(but_not(visible, v.settled), but_not(look.surface, conflict));
+  const Mask hidden_or_settled = either(but_not(measured, not_hidden), v.settled);
+  const Mask ask = neither(hidden_or_settled, but_not(look.surface, conflict));
   if (bits(ask) == 0) return look;
 
   const Ints clear = high_half(pixel);
   const Floats clear_to = to_floats(and_bits(clear, 0x7FFF)) * fill(2.0F * pass.look_unit);
-  const Floats beyond = clear_to - rays.depth, past = beyond - v.stored - fill(pass.margin), z2 = clear_to * clear_to;
+  const Floats beyond = clear_to - depth, past = beyond - v.stored - fill(pass.margin), z2 = clear_to * clear_to;
   const Mask past_surface =
       both(above(past, zero), above(past * past, z2 * z2 * fill(pass.quadratic) + fill(pass.floor)));
   const Mask others = both(both(v.known, above(clear, fill_int(0x7FFF))), past_surface);
@@ -71,14 +70,20 @@ POVSLAM_INLINE Floats weight_units(const IntegratePass& pass, float look_units, 
 
 }  // namespace
 
+// All voxels are projected first, without any branch: the reads of many pixels are then under way at the same time.
 unsigned integrate_block(const IntegratePass* pass, const BlockPlace* place, int16_t* distance, uint16_t* weight,
                          uint8_t* color) {
-  unsigned changed = 0, emptied = 0;
+  alignas(64) float depth[kVoxels];
+  alignas(64) int32_t pixel[kVoxels];  // LookPixel; 0 outside of the part: nothing is known there
   for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
     const Rays rays = project(pass->rays, place->origin, voxel);
-    if (bits(rays.inside) == 0) continue;
+    store(depth + voxel, rays.depth);
+    store(pixel + voxel, gather(pass->look, rays.pixel, rays.inside));
+  }
+  unsigned changed = 0, emptied = 0;
+  for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
     const Voxels v = load_voxels(distance + voxel, weight + voxel, place->weight_units);
-    const Look look = look_at_voxels(*pass, rays, v);
+    const Look look = look_at_voxels(*pass, load(pixel + voxel), load(depth + voxel), v);
     const Mask touched = either(look.surface, look.empty);
     if (bits(touched) == 0) continue;
     changed |= bits(touched);
@@ -95,7 +100,8 @@ unsigned integrate_block(const IntegratePass* pass, const BlockPlace* place, int
     store16(weight + voxel, select(touched, lesser(sum, fill(pass->max_weight_units)), v.looks));
     if (pass->color == nullptr) continue;
     const Mask near = both(look.surface, above(fill(pass->near_surface), magnitude(look.observed)));
-    if (bits(near) != 0) color_voxels(*pass, rays, near, share, color + 3 * voxel);
+    if (bits(near) == 0) continue;
+    color_voxels(*pass, project(pass->rays, place->origin, voxel), near, share, color + 3 * voxel);
   }
   return (changed != 0 ? unsigned{kBlockChanged} : 0U) | (emptied != 0 ? unsigned{kBlockEmptied} : 0U);
 }

@@ -28,6 +28,9 @@ POVSLAM_INLINE Ints fill_int(int a) {
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm512_loadu_ps(p);
 }
+POVSLAM_INLINE Ints load(const int32_t* p) {
+  return _mm512_loadu_si512(p);
+}
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm512_storeu_si512(p, a);
 }
@@ -92,6 +95,9 @@ POVSLAM_INLINE Mask either(Mask a, Mask b) {
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
   return static_cast<Mask>(a & ~b);
 }
+POVSLAM_INLINE Mask neither(Mask a, Mask b) {
+  return static_cast<Mask>(~(a | b));
+}
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm512_mask_blend_ps(mask, no, yes);
 }
@@ -127,6 +133,9 @@ POVSLAM_INLINE Ints fill_int(int a) {
 }
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm256_loadu_ps(p);
+}
+POVSLAM_INLINE Ints load(const int32_t* p) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i_u*>(p));
 }
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm256_storeu_si256(reinterpret_cast<__m256i_u*>(p), a);
@@ -195,6 +204,9 @@ POVSLAM_INLINE Mask either(Mask a, Mask b) {
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
   return _mm256_andnot_ps(b, a);
 }
+POVSLAM_INLINE Mask neither(Mask a, Mask b) {
+  return _mm256_xor_ps(_mm256_or_ps(a, b), _mm256_castsi256_ps(_mm256_set1_epi32(-1)));
+}
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm256_blendv_ps(no, yes, mask);
 }
@@ -230,6 +242,9 @@ POVSLAM_INLINE Ints fill_int(int a) {
 }
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm_loadu_ps(p);
+}
+POVSLAM_INLINE Ints load(const int32_t* p) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i_u*>(p));
 }
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm_storeu_si128(reinterpret_cast<__m128i_u*>(p), a);
@@ -295,6 +310,9 @@ POVSLAM_INLINE Mask either(Mask a, Mask b) {
 }
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
   return _mm_andnot_ps(b, a);
+}
+POVSLAM_INLINE Mask neither(Mask a, Mask b) {
+  return _mm_xor_ps(_mm_or_ps(a, b), _mm_castsi128_ps(_mm_set1_epi32(-1)));
 }
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm_blendv_ps(no, yes, mask);
