@@ -25,12 +25,11 @@ POVSLAM_INLINE Floats fill(float a) {
 POVSLAM_INLINE Ints fill_int(int a) {
   return _mm512_set1_epi32(a);
 }
-// Eight lanes of each.
-POVSLAM_INLINE Floats fill_rows(float first, float second) {
-  return _mm512_mask_blend_ps(0xFF00, _mm512_set1_ps(first), _mm512_set1_ps(second));
-}
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm512_loadu_ps(p);
+}
+POVSLAM_INLINE Ints load(const int32_t* p) {
+  return _mm512_loadu_si512(p);
 }
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm512_storeu_si512(p, a);
@@ -83,6 +82,10 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm512_cmpgt_epi32_mask(a, b);
 }
+// 0 <= a < size
+POVSLAM_INLINE Mask within(Ints a, int size) {
+  return _mm512_cmplt_epu32_mask(a, _mm512_set1_epi32(size));
+}
 POVSLAM_INLINE Mask both(Mask a, Mask b) {
   return static_cast<Mask>(a & b);
 }
@@ -91,6 +94,9 @@ POVSLAM_INLINE Mask either(Mask a, Mask b) {
 }
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
   return static_cast<Mask>(a & ~b);
+}
+POVSLAM_INLINE Mask neither(Mask a, Mask b) {
+  return static_cast<Mask>(~(a | b));
 }
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm512_mask_blend_ps(mask, no, yes);
@@ -101,6 +107,18 @@ POVSLAM_INLINE unsigned bits(Mask mask) {
 // 0 where the mask is not set; nothing is read there.
 POVSLAM_INLINE Floats gather(const float* base, Ints index, Mask mask) {
   return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), mask, index, base, 4);
+}
+POVSLAM_INLINE Ints gather(const uint32_t* base, Ints index, Mask mask) {
+  return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), mask, index, base, 4);
+}
+POVSLAM_INLINE Ints and_bits(Ints a, int mask) {
+  return _mm512_and_si512(a, _mm512_set1_epi32(mask));
+}
+POVSLAM_INLINE Ints high_half(Ints a) {
+  return _mm512_srli_epi32(a, 16);
+}
+POVSLAM_INLINE Floats to_floats(Ints a) {
+  return _mm512_cvtepi32_ps(a);
 }
 #elif defined(__AVX2__)
 enum { kLanes = 8 };
@@ -113,11 +131,11 @@ POVSLAM_INLINE Floats fill(float a) {
 POVSLAM_INLINE Ints fill_int(int a) {
   return _mm256_set1_epi32(a);
 }
-POVSLAM_INLINE Floats fill_rows(float first, float) {
-  return fill(first);
-}
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm256_loadu_ps(p);
+}
+POVSLAM_INLINE Ints load(const int32_t* p) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i_u*>(p));
 }
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm256_storeu_si256(reinterpret_cast<__m256i_u*>(p), a);
@@ -174,6 +192,9 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b));
 }
+POVSLAM_INLINE Mask within(Ints a, int size) {
+  return _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(a, _mm256_set1_epi32(size - 1)), a));
+}
 POVSLAM_INLINE Mask both(Mask a, Mask b) {
   return _mm256_and_ps(a, b);
 }
@@ -183,6 +204,9 @@ POVSLAM_INLINE Mask either(Mask a, Mask b) {
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
   return _mm256_andnot_ps(b, a);
 }
+POVSLAM_INLINE Mask neither(Mask a, Mask b) {
+  return _mm256_xor_ps(_mm256_or_ps(a, b), _mm256_castsi256_ps(_mm256_set1_epi32(-1)));
+}
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm256_blendv_ps(no, yes, mask);
 }
@@ -191,6 +215,19 @@ POVSLAM_INLINE unsigned bits(Mask mask) {
 }
 POVSLAM_INLINE Floats gather(const float* base, Ints index, Mask mask) {
   return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index, mask, 4);
+}
+POVSLAM_INLINE Ints gather(const uint32_t* base, Ints index, Mask mask) {
+  return _mm256_mask_i32gather_epi32(_mm256_setzero_si256(), reinterpret_cast<const int*>(base), index,
+                                     _mm256_castps_si256(mask), 4);
+}
+POVSLAM_INLINE Ints and_bits(Ints a, int mask) {
+  return _mm256_and_si256(a, _mm256_set1_epi32(mask));
+}
+POVSLAM_INLINE Ints high_half(Ints a) {
+  return _mm256_srli_epi32(a, 16);
+}
+POVSLAM_INLINE Floats to_floats(Ints a) {
+  return _mm256_cvtepi32_ps(a);
 }
 #else
 enum { kLanes = 4 };
@@ -203,11 +240,11 @@ POVSLAM_INLINE Floats fill(float a) {
 POVSLAM_INLINE Ints fill_int(int a) {
   return _mm_set1_epi32(a);
 }
-POVSLAM_INLINE Floats fill_rows(float first, float) {
-  return fill(first);
-}
 POVSLAM_INLINE Floats load(const float* p) {
   return _mm_loadu_ps(p);
+}
+POVSLAM_INLINE Ints load(const int32_t* p) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i_u*>(p));
 }
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm_storeu_si128(reinterpret_cast<__m128i_u*>(p), a);
@@ -262,6 +299,9 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm_castsi128_ps(_mm_cmpgt_epi32(a, b));
 }
+POVSLAM_INLINE Mask within(Ints a, int size) {
+  return _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_min_epu32(a, _mm_set1_epi32(size - 1)), a));
+}
 POVSLAM_INLINE Mask both(Mask a, Mask b) {
   return _mm_and_ps(a, b);
 }
@@ -270,6 +310,9 @@ POVSLAM_INLINE Mask either(Mask a, Mask b) {
 }
 POVSLAM_INLINE Mask but_not(Mask a, Mask b) {
   return _mm_andnot_ps(b, a);
+}
+POVSLAM_INLINE Mask neither(Mask a, Mask b) {
+  return _mm_xor_ps(_mm_or_ps(a, b), _mm_castsi128_ps(_mm_set1_epi32(-1)));
 }
 POVSLAM_INLINE Floats select(Mask mask, Floats yes, Floats no) {
   return _mm_blendv_ps(no, yes, mask);
@@ -286,6 +329,25 @@ POVSLAM_INLINE Floats gather(const float* base, Ints index, Mask mask) {
     value[lane] = base[at[lane]];
   }
   return load(value);
+}
+POVSLAM_INLINE Ints gather(const uint32_t* base, Ints index, Mask mask) {
+  alignas(16) int32_t at[4];
+  alignas(16) uint32_t value[4] = {0, 0, 0, 0};
+  store(at, index);
+  for (unsigned left = bits(mask); left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    value[lane] = base[at[lane]];
+  }
+  return _mm_load_si128(reinterpret_cast<const __m128i*>(value));
+}
+POVSLAM_INLINE Ints and_bits(Ints a, int mask) {
+  return _mm_and_si128(a, _mm_set1_epi32(mask));
+}
+POVSLAM_INLINE Ints high_half(Ints a) {
+  return _mm_srli_epi32(a, 16);
+}
+POVSLAM_INLINE Floats to_floats(Ints a) {
+  return _mm_cvtepi32_ps(a);
 }
 #endif
 
