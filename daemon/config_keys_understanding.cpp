@@ -4,10 +4,10 @@
 namespace povslam {
 
 // An option added to these structs changes their size: give it a key below, then the new size here.
-static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 96 && sizeof(VolumeOptions) == 24 &&
+static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 112 && sizeof(VolumeOptions) == 24 &&
               sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 56 &&
               sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 72 &&
-              sizeof(UnderstandingOptions) == 488);
+              sizeof(UnderstandingOptions) == 504);
 
 std::vector<Key<AppConfig>> understanding_table() {
   return {
@@ -30,6 +30,8 @@ std::vector<Key<AppConfig>> understanding_table() {
 
       key("segment.min_pixels", AT(pipeline.understanding.segment.min_pixels), 1, 10000000,
           "Smaller segments of an image are nothing"),
+      key("segment.max_depth_m", AT(pipeline.understanding.segment.max_depth_m), 0.1, 300.0,
+          "What is farther is not told apart"),
       key("segment.normal_cosine", AT(pipeline.understanding.segment.normal_cosine), 0.0, 1.0,
           "A concave fold whose normals' cosine is below this separates"),
       key("segment.jump_share", AT(pipeline.understanding.segment.jump_share), 0.0, 1.0,
@@ -46,6 +48,8 @@ std::vector<Key<AppConfig>> understanding_table() {
           "About the floor's height, plus three standard deviations of the depth"),
       key("segment.tall_m", AT(pipeline.understanding.segment.tall_m), 0.1, 100.0,
           "What rises more than this is structure"),
+      key("segment.pole_width_m", AT(pipeline.understanding.segment.pole_width_m), 0.01, 10.0,
+          "Thinner and much higher: a post, structure"),
       key("segment.board_length_m", AT(pipeline.understanding.segment.board_length_m), 0.1, 100.0,
           "A level strip longer than this"),
       key("segment.board_thickness_m", AT(pipeline.understanding.segment.board_thickness_m), 0.01, 10.0,
