@@ -20,7 +20,7 @@ SOURCE_SUFFIXES = (".cpp", ".hpp", ".h", ".c")
 PROGRAMS = {
     "tools/povslam": ["base", "geometry", "frames", "pipeline", "drivers", "tools/povslam/*", "pipeline/backend/smooth.hpp",
                       "daemon/app.hpp", "daemon/config_*.hpp", "daemon/store.hpp", "daemon/messages/*",
-                      "daemon/stop_signal.hpp"],
+                      "daemon/stop_signal.hpp", "pipeline/mapping/mesh.hpp"],
     "tools": ["*"],
 }
 
@@ -32,9 +32,9 @@ DOORS = [
     ("yaml-cpp/*", ["drivers/replay/*"]),
     ("png.h", ["drivers/replay/*", "tools/povslam/*"]),
     ("jpeglib.h", ["drivers/replay/*"]),
-    ("lcm/*", ["daemon/publisher*", "tools/povslam/*"]),
+    ("lcm/*", ["daemon/publisher*", "daemon/label_lcm*", "tools/povslam/*"]),
     ("bot_core/*", ["daemon/publisher*", "daemon/messages*", "tools/povslam/*"]),
-    ("povslam/*", ["daemon/publisher*", "daemon/messages*", "tools/povslam/*"]),  # generated from daemon/messages/*.lcm
+    ("povslam/*", ["daemon/publisher*", "daemon/label_lcm*", "daemon/messages*", "tools/povslam/*"]),  # generated from daemon/messages/*.lcm
     ("toml++/*", ["daemon/config_file*"]),
     ("sqlite3.h", ["daemon/store*"]),
     ("systemd/*", ["daemon/service*"]),
@@ -57,7 +57,7 @@ CALLS_NOT_IN_PIPELINE = re.compile(r"\bstd::(j?thread|async)\b|\b(fopen|pthread_
 # Kernels are compiled for several machines: an inline function of a library would be compiled for the widest one, and
 # the linker may then keep that copy for everybody.
 KERNEL_HEADERS = {"immintrin.h", "stdint.h", "stddef.h", "cstdint", "cstddef"}
-KERNEL_FOLDER = "pipeline/frontend/kernels/"
+KERNEL_FOLDERS = ("pipeline/frontend/kernels/", "pipeline/mapping/kernels/")
 
 MACHINE_NAMES = re.compile(r"(?<![\w.])/(?:work|home|root|tmp/w[t]?)/")
 
@@ -149,8 +149,8 @@ class Checker:
         if not (self.root / header).is_file():
             self.complain(path, number, f'"{header}" is no file of this repository, named from its root')
             return
-        if is_kernel(path) and not header.startswith(KERNEL_FOLDER):
-            self.complain(path, number, f'"{header}": kernels include only {KERNEL_FOLDER}')
+        if is_kernel(path) and os.path.dirname(header) != os.path.dirname(path):
+            self.complain(path, number, f'"{header}": kernels include only {os.path.dirname(path)}/')
         target = room_of(header, self.rooms)
         if room is None:
             folder = next(program for program in PROGRAMS if path.startswith(program + "/"))
@@ -197,7 +197,7 @@ class Checker:
 
 def is_kernel(path):
     """Kernel sources, and the headers they share (a dispatcher is an ordinary source of the room)."""
-    return path.startswith(KERNEL_FOLDER) and (path.endswith(".kernel.cpp") or
+    return path.startswith(KERNEL_FOLDERS) and (path.endswith(".kernel.cpp") or
                                                (path.endswith(".hpp") and not path.endswith("dispatch.hpp")))
 
 

@@ -22,23 +22,30 @@ inline constexpr std::uint16_t kFirstInstance = 2;  // and up: one thing each, n
 
 struct DepthView {
   TimeNs stamp = 0;
-  PinholeCamera camera;   // without distortion
-  ImageF depth_m;         // along the optical axis; 0 = no measurement, or outside the range asked for
-  ImageU8 color;          // 1 channel grey or 3 channels R, G, B
-  ImageU16 owner;         // kNobody, kStructure, kFirstInstance + i
-  Rigid3 T_world_camera;  // of this frame
+  PinholeCamera camera;                         // without distortion
+  ImageF depth_m;                               // along the optical axis; 0 = no measurement, or outside the range
+  double min_depth_m = 0.3, max_depth_m = 5.0;  // the range
+  ImageU8 color;                                // 1 channel grey or 3 channels R, G, B; empty: none
+  ImageU16 owner;                               // kNobody, kStructure, kFirstInstance + i
+  Rigid3 T_world_camera;                        // of this frame
+};
+
+struct DepthNoise {  // sigma_z = quadratic z^2, and the floor in quadrature
+  double quadratic_per_m = 0.0025;
+  double floor_m = 0.003;
 };
 
 struct DepthViewOptions {
   double min_depth_m = 0.3;
-  double max_depth_m = 5.0;
+  double max_depth_m = 8.0;
 };
 
 // Rectifies by nearest pixel (depths of two surfaces must not be mixed). Tables are made once.
 class DepthViewBuilder {
  public:
   DepthViewBuilder(const PinholeCamera& camera, const DepthViewOptions& options);
-  void build(const RgbdFrame& frame, const Rigid3& T_world_camera, DepthView& view) const;  // owner: all kNobody
+  // owner: all kNobody. The depth image has the camera's size; a colour image that has not is left out.
+  void build(const RgbdFrame& frame, const Rigid3& T_world_camera, DepthView& view) const;
   // Classes of the view's pixels, from labels of the raw image that may be smaller (nearest).
   void rectify_labels(const LabelFrame& labels, ImageU8& classes) const;
 

@@ -32,7 +32,7 @@ struct VoxelBlock {  // voxel index: x + 8 * (y + 8 * z)
   std::array<std::int16_t, kBlockVoxels> distance{};  // truncation_m / kDistanceUnits
   std::array<std::uint16_t, kBlockVoxels> weight{};   // kWeightUnits = one good look; 0: never seen
   std::array<std::uint8_t, 3 * kBlockVoxels> color{};
-  std::uint32_t changed = 0;  // grows with each change: for meshes and the store
+  std::uint32_t changed = 0;  // another with each change, also if removed and made again: for meshes and the store
 };
 inline constexpr int kDistanceUnits = 32000;
 inline constexpr int kWeightUnits = 64;
@@ -45,10 +45,12 @@ class Volume {
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
   VoxelBlock& block(int index) { return *blocks_[static_cast<std::size_t>(index)]; }
   const VoxelBlock& block(int index) const { return *blocks_[static_cast<std::size_t>(index)]; }
+  const BlockKey& key(int index) const { return keys_[static_cast<std::size_t>(index)]; }
   int find(const BlockKey& key) const;  // -1: not there
   int allocate(const BlockKey& key);    // found or made (all weights 0); -1: full
   void remove(const BlockKey& key);     // indices of other blocks may change
   void clear();
+  void mark_changed(int index) { block(index).changed = ++changes_; }
   BlockKey key_of(const Eigen::Vector3d& p_volume) const;
 
   struct Sample {
@@ -65,6 +67,8 @@ class Volume {
   };
   VolumeOptions options_;
   std::vector<std::unique_ptr<VoxelBlock>> blocks_;
+  std::vector<BlockKey> keys_;  // of blocks_, side by side
+  std::uint32_t changes_ = 0;
   std::unordered_map<BlockKey, int, Hash> index_;
 };
 

@@ -104,14 +104,15 @@ class Rooms(unittest.TestCase):
         self.assertEqual(self.violations(), [])
 
     def test_kernels_include_no_library_and_no_other_room(self):
-        folder = "pipeline/frontend/kernels/"
-        self.write(folder + "dispatch.hpp", "#include <string>\n")
-        for header in ("<vector>", "<algorithm>", "<Eigen/Core>", '"pipeline/base/time.hpp"'):
-            for name in ("fast.kernel.cpp", "simd.hpp"):
-                with self.subTest(header=header, name=name):
-                    self.write(folder + name, f"#include <immintrin.h>\n#include {header}\n")
-                    self.assert_one(f"{folder}{name}:2", "kernels")
-                    (self.root / folder / name).unlink()
+        self.write("CMakeLists.txt", FLOOR_PLAN + "room(mapping pipeline/mapping USES geometry)\n")
+        for folder in check_rooms.KERNEL_FOLDERS:
+            self.write(folder + "dispatch.hpp", "#include <string>\n")
+            for header in ("<vector>", "<algorithm>", "<Eigen/Core>", '"pipeline/base/time.hpp"'):
+                for name in ("fast.kernel.cpp", "simd.hpp"):
+                    with self.subTest(folder=folder, header=header, name=name):
+                        self.write(folder + name, f"#include <immintrin.h>\n#include {header}\n")
+                        self.assert_one(f"{folder}{name}:2", "kernels")
+                        (self.root / folder / name).unlink()
 
     def test_folders_of_one_machine_are_named(self):
         self.write("docs/results.md", "fine\nrun it in /home/someone/povslam\n")

@@ -1,7 +1,6 @@
 #include "pipeline/frontend/kernels/dispatch.hpp"
 
-#include <cstdlib>
-#include <cstring>
+#include "pipeline/base/isa.hpp"
 
 #define POVSLAM_DECLARE_KERNELS(isa)                                                               \
   namespace isa {                                                                                  \
@@ -24,31 +23,14 @@ POVSLAM_DECLARE_KERNELS(isa_v3)
 POVSLAM_DECLARE_KERNELS(isa_v4)
 
 AvailableKernels available_kernels() {
-  __builtin_cpu_init();
-  AvailableKernels available{{&isa_v2::kTable, nullptr, nullptr, nullptr}};
-  if (!__builtin_cpu_supports("x86-64-v3")) return available;
-  available.kernels[1] = &isa_v3::kTable;
-  if (__builtin_cpu_supports("x86-64-v4")) available.kernels[2] = &isa_v4::kTable;
+  const FrontendKernels* all[kNumIsas] = {&isa_v2::kTable, &isa_v3::kTable, &isa_v4::kTable};
+  AvailableKernels available{};
+  for (int isa = 0; isa <= widest_isa(); ++isa) available.kernels[isa] = all[isa];
   return available;
 }
 
-namespace {
-
-const FrontendKernels& choose() {
-  const AvailableKernels available = available_kernels();
-  const char* wanted = std::getenv("POVSLAM_ISA");
-  const FrontendKernels* chosen = available.kernels[0];
-  for (const FrontendKernels* const* k = available.kernels; *k != nullptr; ++k) {
-    chosen = *k;
-    if (wanted != nullptr && std::strcmp(wanted, chosen->isa) == 0) break;
-  }
-  return *chosen;
-}
-
-}  // namespace
-
 const FrontendKernels& frontend_kernels() {
-  static const FrontendKernels& chosen = choose();
+  static const FrontendKernels& chosen = *available_kernels().kernels[chosen_isa()];
   return chosen;
 }
 

@@ -1,5 +1,4 @@
-// Picks the kernels once: the widest instruction set of x86-64-v2, v3 (AVX2), v4 (AVX-512) that the CPU has. The
-// environment variable POVSLAM_ISA=v2|v3|v4 lowers the choice, never raises it.
+// Picks the kernels once, for the instruction set of pipeline/base/isa.hpp.
 #pragma once
 
 #include "pipeline/frontend/kernels/kernels.hpp"

@@ -1,0 +1,40 @@
+// Which blocks of a volume a view may say something about, and where they lie in it.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/mapping/depth_view.hpp"
+#include "pipeline/mapping/kernels/kernels.hpp"
+#include "pipeline/mapping/volume.hpp"
+
+namespace povslam {
+
+struct PixelBox {  // of an image: columns x0 … x1 - 1
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int columns() const { return x1 - x0; }
+  int rows() const { return y1 - y0; }
+};
+
+struct VisibleBlocks {
+  std::vector<int> indices;
+  PixelBox box;  // holds all pixels they fall on
+};
+// Of the blocks that lie in the picture, not wholly behind what was measured there by more than the truncation.
+VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume);
+
+// Projection of voxel centres into pixels of `box`.
+class VoxelProjection {
+ public:
+  VoxelProjection(const Volume& volume, const PinholeCamera& camera, const PixelBox& box,
+                  const Rigid3& T_camera_volume);
+  BlockRays rays() const;
+  Eigen::Vector3f origin(const BlockKey& key) const;  // of its voxel 0
+
+ private:
+  PixelBox box_;
+  double voxel_size_m_;
+  Eigen::Matrix3d rotation_;  // volume to pixel times depth
+  Eigen::Vector3d translation_;
+};
+
+}  // namespace povslam

@@ -1,0 +1,109 @@
+#include "pipeline/mapping/volume.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/base/expects.hpp"
+
+namespace povslam {
+
+std::size_t Volume::Hash::operator()(const BlockKey& key) const {
+  const auto part = [](std::int32_t value, std::uint64_t factor) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value)) * factor;
+  };
+  std::uint64_t mixed =
+      part(key.x, 0x9E3779B97F4A7C15ULL) ^ part(key.y, 0xC2B2AE3D27D4EB4FULL) ^ part(key.z, 0x165667B19E3779F9ULL);
+  mixed ^= mixed >> 32;
+  return static_cast<std::size_t>(mixed * 0x9E3779B97F4A7C15ULL >> 16);
+}
+
+Volume::Volume(const VolumeOptions& options) : options_(options) {
+  EXPECTS(options.voxel_size_m > 0.0 && options.truncation_m >= options.voxel_size_m && options.max_blocks >= 0);
+}
+
+int Volume::find(const BlockKey& key) const {
+  const auto found = index_.find(key);
+  return found == index_.end() ? -1 : found->second;
+}
+
+int Volume::allocate(const BlockKey& key) {
+  const int found = find(key);
+  if (found >= 0) return found;
+  if (num_blocks() >= options_.max_blocks) return -1;
+  const int index = num_blocks();
+  blocks_.push_back(std::make_unique<VoxelBlock>());
+  keys_.push_back(key);
+  index_.emplace(key, index);
+  block(index).key = key;
+  mark_changed(index);
+  return index;
+}
+
+void Volume::remove(const BlockKey& key) {
+  const int index = find(key);
+  if (index < 0) return;
+  const int last = num_blocks() - 1;
+  if (index != last) {
+    const auto hole = static_cast<std::size_t>(index);
+    blocks_[hole] = std::move(blocks_.back());
+    keys_[hole] = keys_.back();
+    index_[keys_[hole]] = index;
+  }
+  blocks_.pop_back();
+  keys_.pop_back();
+  index_.erase(key);
+}
+
+void Volume::clear() {
+  blocks_.clear();
+  keys_.clear();
+  index_.clear();
+}
+
+BlockKey Volume::key_of(const Eigen::Vector3d& p_volume) const {
+  const double edge_m = kBlockEdge * options_.voxel_size_m;
+  const auto part = [edge_m](double p) { return static_cast<std::int32_t>(std::floor(p / edge_m)); };
+  return {part(p_volume.x()), part(p_volume.y()), part(p_volume.z())};
+}
+
+std::optional<Volume::Sample> Volume::sample(const Eigen::Vector3d& p_volume) const {
+  const Eigen::Vector3d at = p_volume / options_.voxel_size_m - Eigen::Vector3d::Constant(0.5);
+  const Eigen::Vector3d low = at.array().floor();
+  const Eigen::Vector3d share = at - low;
+  double value[2][2][2];  // z, y, x
+  double least = 1e9;
+  BlockKey key{};
+  int index = -1;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
+    const int x = static_cast<int>(low.x()) + dx, y = static_cast<int>(low.y()) + dy,
+              z = static_cast<int>(low.z()) + dz;
+    const BlockKey wanted{x >> 3, y >> 3, z >> 3};
+    if (corner == 0 || !(wanted == key)) index = find(wanted);
+    key = wanted;
+    if (index < 0) return std::nullopt;
+    const auto voxel = static_cast<std::size_t>((x & 7) + kBlockEdge * ((y & 7) + kBlockEdge * (z & 7)));
+    const VoxelBlock& here = block(index);
+    if (here.weight[voxel] == 0) return std::nullopt;
+    least = std::min(least, static_cast<double>(here.weight[voxel]) / kWeightUnits);
+    value[dz][dy][dx] = here.distance[voxel] * options_.truncation_m / kDistanceUnits;
+  }
+  const auto mix = [](double a, double b, double s) { return a + (b - a) * s; };
+  Sample sample;
+  sample.weight = least;
+  double plane[2], x_slope[2], y_slope[2];
+  for (int z = 0; z < 2; ++z) {
+    const double front = mix(value[z][0][0], value[z][0][1], share.x());
+    const double back = mix(value[z][1][0], value[z][1][1], share.x());
+    plane[z] = mix(front, back, share.y());
+    y_slope[z] = back - front;
+    x_slope[z] = mix(value[z][0][1] - value[z][0][0], value[z][1][1] - value[z][1][0], share.y());
+  }
+  sample.distance_m = mix(plane[0], plane[1], share.z());
+  sample.gradient = {mix(x_slope[0], x_slope[1], share.z()), mix(y_slope[0], y_slope[1], share.z()),
+                     plane[1] - plane[0]};
+  sample.gradient /= options_.voxel_size_m;
+  return sample;
+}
+
+}  // namespace povslam
