@@ -16,12 +16,20 @@
 
 namespace povslam {
 
+namespace {
+
+// Noise cuts a surface at the end of the range into dust: a third of such cells, and nothing can be told of the part.
+constexpr int kAtRange = 3;
+
+}  // namespace
+
 struct Segmenter::Impl {
   Impl(const PinholeCamera& camera_in, const SegmentOptions& options_in)
       : camera(camera_in), options(options_in), grid(camera_in) {}
 
   void find_parts(const DepthView& view);
   void judge();
+  Segment describe(const PartMeasure& part) const;
   void paint(const ImageF& depth_m, ImageU16& instances);
 
   PinholeCamera camera;
@@ -57,6 +65,7 @@ void Segmenter::Impl::find_parts(const DepthView& view) {
 }
 
 void Segmenter::Impl::judge() {
+  constexpr std::size_t kMostSegments = 60000;  // instances are 16 bits
   measure_parts(num_parts, options, grid, measures);
   if (join_parts(measures, options, grid)) measure_parts(num_parts, options, grid, measures);
   instance_of.assign(static_cast<std::size_t>(num_parts) + kFirstPart, kNobody);
@@ -64,24 +73,29 @@ void Segmenter::Impl::judge() {
   segments.clear();
   for (std::size_t id = 0; id < measures.size(); ++id) {
     const PartMeasure& part = measures[id];
-    Segment segment;
-    segment.pixels = part.cells * grid.step * grid.step;
-    if (segment.pixels < options.min_pixels || 3 * part.at_range > part.cells) continue;
-    segment.structure = is_structure(part, options);
-    segment.at_border = part.border_top + part.border_bottom + part.border_side + part.at_range > 0;
-    segment.bottom_m = part.bottom_m;
-    segment.top_m = part.top_m;
-    segment.length_m = part.length_m;
-    segment.width_m = part.width_m;
-    segment.area_m2 = part.area_m2;
-    segment.own_outline = own_share(part);
-    std::uint16_t instance = kStructure;
-    if (!segment.structure) {
-      instance = static_cast<std::uint16_t>(kFirstInstance + segments.size());
-      segments.push_back(segment);
+    const bool told =
+        part.cells * grid.step * grid.step >= options.min_pixels && kAtRange * part.at_range <= part.cells;
+    if (!told || segments.size() >= kMostSegments) continue;
+    if (is_structure(part, options)) {
+      instance_of[id + kFirstPart] = kStructure;
+      continue;
     }
-    instance_of[id + kFirstPart] = instance;
+    instance_of[id + kFirstPart] = static_cast<std::uint16_t>(kFirstInstance + segments.size());
+    segments.push_back(describe(part));
   }
+}
+
+Segment Segmenter::Impl::describe(const PartMeasure& part) const {
+  Segment segment;
+  segment.pixels = part.cells * grid.step * grid.step;
+  segment.at_border = part.border_top + part.border_bottom + part.border_side + part.at_range > 0;
+  segment.bottom_m = part.bottom_m;
+  segment.top_m = part.top_m;
+  segment.length_m = part.length_m;
+  segment.width_m = part.width_m;
+  segment.area_m2 = part.area_m2;
+  segment.own_outline = own_share(part);
+  return segment;
 }
 
 // From cells to pixels: a pixel belongs to its cell's part unless its own depth says that it shows something else.

@@ -24,10 +24,9 @@ struct SegmentOptions {
   double own_outline = 0.25;        // a flat thing with a smaller share of outline of its own is the background
 };
 
-struct Segment {
-  int pixels = 0;  // full image
-  bool structure = false;
-  bool at_border = false;                // of the image: there may be more of it
+struct Segment {                         // of a thing: structure makes none
+  int pixels = 0;                        // full image
+  bool at_border = false;                // of the image, or of the range of sight: there may be more of it
   double bottom_m = 0.0, top_m = 0.0;    // world height
   double length_m = 0.0, width_m = 0.0;  // of what is seen, from above
   double area_m2 = 0.0;                  // of the surface seen
@@ -41,7 +40,7 @@ class Segmenter {
   ~Segmenter();
 
   // instances: per pixel of the view (its full size), kNobody on edges and where nothing was measured, kStructure, or
-  // kFirstInstance + i for segment i of the result that is no structure. Valid until the next call.
+  // kFirstInstance + i for segment i of the result. Valid until the next call.
   const std::vector<Segment>& segment(const DepthView& view, ImageU16& instances);
 
  private:
