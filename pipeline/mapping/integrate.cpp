@@ -177,20 +177,18 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
   pass.quadratic = static_cast<float>(quadratic * quadratic);
   pass.floor = static_cast<float>(floor * floor);
   pass.behind_per_unit = static_cast<float>(1.0 / std::max(kDistanceUnits - voxel, 0.25 * voxel));
-  pass.near_surface = static_cast<float>(1.25 * voxel);
   pass.max_weight_units = static_cast<float>(std::clamp(options.max_weight * kWeightUnits, 1.0, 65535.0));
   return pass;
 }
 
 // Starts to bring a block near while another one is worked on.
-void fetch(const VoxelBlock& block, bool color) {
+void fetch(const VoxelBlock& block) {
   const auto lines = [](const auto& values) {
     const auto* bytes = reinterpret_cast<const char*>(values.data());
     for (std::size_t k = 0; k < sizeof(values); k += 64) __builtin_prefetch(bytes + k, 1);
   };
   lines(block.distance);
   lines(block.weight);
-  if (color) lines(block.color);
 }
 
 BlockPlace place_of(const VoxelProjection& projection, const BlockKey& key, const IntegrateOptions& options) {
@@ -247,7 +245,7 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
   std::vector<BlockKey> emptied;
   for (std::size_t k = 0; k < visible.indices.size(); ++k) {
     const int index = visible.indices[k];
-    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]), pass.color != nullptr);
+    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]));
     VoxelBlock& block = volume.block(index);
     const BlockPlace place = place_of(projection, block.key, options);
     const unsigned outcome =
