@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
+#include <span>
 #include <vector>
 
 #include "pipeline/base/expects.hpp"
@@ -45,43 +45,53 @@ class Allocator {
 };
 
 // The owner's pixels of one row of the image, as rays in blocks from the camera on, for loops that become vectors.
-struct RayRow {
-  std::vector<float> depth_m, x, y, z;
-  std::vector<std::uint32_t> key;  // kBits each of x, y, z, from kHalf before the camera's block on
+class RayRow {
+ public:
   static constexpr int kBits = 10, kHalf = 1 << (kBits - 1);
 
-  void read(const DepthView& view, std::uint16_t owner, int row, int stride_px, const Eigen::Matrix3f& rotation) {
-    const auto fx = static_cast<float>(view.camera.fx), fy = static_cast<float>(view.camera.fy);
-    const auto cx = static_cast<float>(view.camera.cx), cy = static_cast<float>(view.camera.cy);
-    const Eigen::Vector3f first = rotation.col(2) + rotation.col(1) * ((static_cast<float>(row) - cy) / fy);
-    const Eigen::Vector3f along = rotation.col(0) / fx;
-    for (std::vector<float>* values : {&depth_m, &x, &y, &z}) values->clear();
-    const float* depth = view.depth_m.row(row);
-    const std::uint16_t* whose = view.owner.row(row);
-    for (int column = 0; column < view.camera.width; column += stride_px) {
-      if (whose[column] != owner || !(depth[column] > 0.0F)) continue;
-      const float off = static_cast<float>(column) - cx;
-      depth_m.push_back(depth[column]);
-      x.push_back(first.x() + along.x() * off);
-      y.push_back(first.y() + along.y() * off);
-      z.push_back(first.z() + along.z() * off);
-    }
-    key.resize(depth_m.size());
+  RayRow(const DepthView& view, std::uint16_t owner, int stride_px)
+      : view_(view), owner_(owner), stride_px_(stride_px), size_((view.camera.width + stride_px - 1) / stride_px) {
+    for (std::vector<float>* values : {&depth_m_, &column_}) values->resize(static_cast<std::size_t>(size_));
+    keys_.resize(static_cast<std::size_t>(size_));
   }
 
-  // The blocks at `ahead_m` beyond the surfaces. start: where the camera is within its block, plus kHalf.
-  void find_keys(float ahead_m, const Eigen::Vector3f& start) {
-    const float sx = start.x(), sy = start.y(), sz = start.z();
-    const float *d = depth_m.data(), *rx = x.data(), *ry = y.data(), *rz = z.data();
-    std::uint32_t* out = key.data();
-    const std::size_t count = depth_m.size();
+  void read(int row) {
+    const float* depth = view_.depth_m.row(row);
+    const std::uint16_t* whose = view_.owner.row(row);
+    std::size_t count = 0;
+    for (int column = 0; column < view_.camera.width; column += stride_px_) {
+      depth_m_[count] = depth[column];
+      column_[count] = static_cast<float>(column);
+      count += (whose[column] == owner_) & (depth[column] > 0.0F);
+    }
+    count_ = count;
+  }
+
+  // The blocks at `ahead_m` beyond the surfaces: kBits each of x, y, z, from kHalf before the camera's block on. Rays
+  // are first + column * along; start: where the camera is within its block, plus kHalf.
+  std::span<const std::uint32_t> find_keys(float ahead_m, const Eigen::Vector3f& start, const Eigen::Vector3f& first,
+                                           const Eigen::Vector3f& along) {
+    const float sx = start.x(), sy = start.y(), sz = start.z(), fx = first.x(), fy = first.y(), fz = first.z(),
+                ax = along.x(), ay = along.y(), az = along.z();
+    const float *d = depth_m_.data(), *c = column_.data();
+    std::uint32_t* out = keys_.data();
+    const std::size_t count = count_;
     for (std::size_t k = 0; k < count; ++k) {
       const float far = d[k] + ahead_m, at = far > 0.0F ? far : 0.0F;
-      const int bx = static_cast<int>(sx + rx[k] * at), by = static_cast<int>(sy + ry[k] * at),
-                bz = static_cast<int>(sz + rz[k] * at);
+      const int bx = static_cast<int>(sx + (fx + ax * c[k]) * at), by = static_cast<int>(sy + (fy + ay * c[k]) * at),
+                bz = static_cast<int>(sz + (fz + az * c[k]) * at);
       out[k] = static_cast<std::uint32_t>(bx | by << kBits | bz << 2 * kBits);
     }
+    return {keys_.data(), count_};
   }
+
+ private:
+  const DepthView& view_;
+  std::uint16_t owner_;
+  int stride_px_, size_;
+  std::size_t count_ = 0;
+  std::vector<float> depth_m_, column_;
+  std::vector<std::uint32_t> keys_;
 };
 
 void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_volume_camera,
@@ -98,13 +108,17 @@ void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_
   const BlockKey origin{static_cast<std::int32_t>(base.x()), static_cast<std::int32_t>(base.y()),
                         static_cast<std::int32_t>(base.z())};
   constexpr std::uint32_t kMask = (1U << RayRow::kBits) - 1;
-  RayRow rays;
-  for (int row = 0; row < view.camera.height; row += stride_px) {
-    rays.read(view, owner, row, stride_px, rotation);
+  const PinholeCamera& c = view.camera;
+  const Eigen::Vector3f along = rotation.col(0) / static_cast<float>(c.fx);
+  RayRow rays(view, owner, stride_px);
+  for (int row = 0; row < c.height; row += stride_px) {
+    rays.read(row);
+    const Eigen::Vector3f first = rotation.col(2) + rotation.col(1) * static_cast<float>((row - c.cy) / c.fy) -
+                                  rotation.col(0) * static_cast<float>(c.cx / c.fx);
     for (int k = 0; k <= steps; ++k) {
-      rays.find_keys(truncation_m * (2.0F * static_cast<float>(k) / static_cast<float>(steps) - 1.0F), start);
+      const float ahead_m = truncation_m * (2.0F * static_cast<float>(k) / static_cast<float>(steps) - 1.0F);
       std::uint32_t last = ~0U;
-      for (const std::uint32_t key : rays.key) {
+      for (const std::uint32_t key : rays.find_keys(ahead_m, start, first, along)) {
         if (key == last) continue;
         last = key;
         allocator.ask({origin.x + static_cast<std::int32_t>(key & kMask),
@@ -163,20 +177,18 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
   pass.quadratic = static_cast<float>(quadratic * quadratic);
   pass.floor = static_cast<float>(floor * floor);
   pass.behind_per_unit = static_cast<float>(1.0 / std::max(kDistanceUnits - voxel, 0.25 * voxel));
-  pass.near_surface = static_cast<float>(1.25 * voxel);
   pass.max_weight_units = static_cast<float>(std::clamp(options.max_weight * kWeightUnits, 1.0, 65535.0));
   return pass;
 }
 
 // Starts to bring a block near while another one is worked on.
-void fetch(const VoxelBlock& block, bool color) {
+void fetch(const VoxelBlock& block) {
   const auto lines = [](const auto& values) {
     const auto* bytes = reinterpret_cast<const char*>(values.data());
     for (std::size_t k = 0; k < sizeof(values); k += 64) __builtin_prefetch(bytes + k, 1);
   };
   lines(block.distance);
   lines(block.weight);
-  if (color) lines(block.color);
 }
 
 BlockPlace place_of(const VoxelProjection& projection, const BlockKey& key, const IntegrateOptions& options) {
@@ -233,7 +245,7 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
   std::vector<BlockKey> emptied;
   for (std::size_t k = 0; k < visible.indices.size(); ++k) {
     const int index = visible.indices[k];
-    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]), pass.color != nullptr);
+    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]));
     VoxelBlock& block = volume.block(index);
     const BlockPlace place = place_of(projection, block.key, options);
     const unsigned outcome =

@@ -18,7 +18,7 @@ std::size_t Volume::Hash::operator()(const BlockKey& key) const {
 }
 
 Volume::Volume(const VolumeOptions& options) : options_(options) {
-  EXPECTS(options.voxel_size_m > 0.0 && options.truncation_m >= options.voxel_size_m && options.max_blocks >= 0);
+  EXPECTS(options.voxel_size_m >= 0.002 && options.truncation_m >= options.voxel_size_m && options.max_blocks >= 0);
 }
 
 int Volume::find(const BlockKey& key) const {

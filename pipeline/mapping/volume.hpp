@@ -14,7 +14,7 @@
 namespace povslam {
 
 struct VolumeOptions {
-  double voxel_size_m = 0.05;
+  double voxel_size_m = 0.05;  // at least 0.002
   double truncation_m = 0.20;
   int max_blocks = 40000;
 };

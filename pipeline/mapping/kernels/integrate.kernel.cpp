@@ -98,10 +98,8 @@ unsigned integrate_block(const IntegratePass* pass, const BlockPlace* place, int
     const Floats sum = before + added, share = added / greater(sum, fill(1.0F));
     store16(distance + voxel, select(touched, v.stored + (look.observed - v.stored) * share, v.stored));
     store16(weight + voxel, select(touched, lesser(sum, fill(pass->max_weight_units)), v.looks));
-    if (pass->color == nullptr) continue;
-    const Mask near = both(look.surface, above(fill(pass->near_surface), magnitude(look.observed)));
-    if (bits(near) == 0) continue;
-    color_voxels(*pass, project(pass->rays, place->origin, voxel), near, share, color + 3 * voxel);
+    if (pass->color == nullptr || bits(look.surface) == 0) continue;
+    color_voxels(*pass, project(pass->rays, place->origin, voxel), look.surface, share, color + 3 * voxel);
   }
   return (changed != 0 ? unsigned{kBlockChanged} : 0U) | (emptied != 0 ? unsigned{kBlockEmptied} : 0U);
 }

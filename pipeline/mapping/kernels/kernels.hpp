@@ -54,7 +54,6 @@ struct IntegratePass {  // the same for all blocks of a call
   float margin;               // with 2 sigma: how far beyond a surface is clearly beyond
   float quadratic, floor;     // (2 sigma)^2 of a depth z = quadratic z^4 + floor
   float behind_per_unit;      // slope of the weight behind a surface: 0 at the truncation, full at a voxel
-  float near_surface;         // voxels within it take the surface's colour
   float max_weight_units;
 };
 

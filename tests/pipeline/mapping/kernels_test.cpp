@@ -86,7 +86,6 @@ std::vector<unsigned> integrate_all(const MappingKernels& kernels, Case& c, int 
   pass.quadratic = 1e-15F;
   pass.floor = 9e5F;
   pass.behind_per_unit = 1.0F / 24000.0F;
-  pass.near_surface = 16000.0F;
   pass.max_weight_units = 6400.0F;
   std::vector<unsigned> outcomes;
   for (std::size_t b = 0; b < c.blocks.size(); ++b) {
