@@ -57,13 +57,13 @@ void Expectation::start(const VemWindow& window, const WindowSheet& sheet, const
   pi_.assign(sheet.num_slots(), Quad{});
 }
 
-void Expectation::run(const WindowSheet& sheet, const std::vector<Quad>& error2) {
+void Expectation::run(const WindowSheet& sheet, const std::vector<Quad>& error2, bool held) {
   bound_ = 0.0;
   for (std::size_t object = 0; object < states_.size(); ++object) {
     State& state = states_[object];
     if (state.num_matches == 0) continue;
     state.change_m = measure_change(sheet, object, error2);
-    if (!state.structure) update_belief(state);
+    if (!state.structure && !held) update_belief(state);
     double sum_pi = weigh(sheet, object, error2);
     const bool inner = options_.mean_field && !state.structure;
     for (int i = 0; inner && i < kInnerIterations; ++i) {

@@ -34,8 +34,8 @@ class Expectation {
  public:
   void start(const VemWindow& window, const WindowSheet& sheet, const VemOptions& options);
 
-  // Beliefs after the residuals were measured once more, then responsibilities.
-  void run(const WindowSheet& sheet, const std::vector<Quad>& error2);
+  // Beliefs after the residuals were measured once more (or as they are: held), then responsibilities.
+  void run(const WindowSheet& sheet, const std::vector<Quad>& error2, bool held);
   // information of each match: E[pi] / variance where accepted, else 0. gated = false: all matches are accepted.
   void decide(const WindowSheet& sheet, const std::vector<Quad>& error2, bool gated,
               std::vector<Quad>& information) const;

@@ -14,7 +14,7 @@ struct MaximiseReport {
   double cost_before = 0.0, cost_after = 0.0;  // 1/2 sum of whitened squares; before: landmarks at their best already
   double moved_m = 0.0, moved_rad = 0.0;       // the furthest any pose went in the last step
   bool failed = false;                         // no step lowers the cost, or numbers that are none
-  double minimiser_s = 0.0;                    // by Ceres' own clock, without its preparation
+  double preparation_s = 0.0;                  // by Ceres' own clock, what it took before and after minimising
 };
 
 class Maximiser {

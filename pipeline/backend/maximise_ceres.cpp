@@ -202,7 +202,7 @@ MaximiseReport CeresMaximiser::maximise(const std::vector<Quad>& information, in
   ceres::Solver::Summary summary;
   ceres::Solve(solver, problem_.get(), &summary);
   report.steps = summary.num_successful_steps;
-  report.minimiser_s = summary.minimizer_time_in_seconds;
+  report.preparation_s = summary.preprocessor_time_in_seconds + summary.postprocessor_time_in_seconds;
   report.failed = !summary.IsSolutionUsable();
   const std::vector<Rigid3> before = estimate.poses;
   if (!report.failed) take(estimate);

@@ -57,7 +57,7 @@ double Vem::least_sigma(int iteration) const {
 
 VemIteration Vem::iterate(int iteration) {
   sheet_.set_least_sigma(least_sigma(iteration));
-  expectation_.run(sheet_, estimate_.error2);
+  expectation_.run(sheet_, estimate_.error2, iteration < options_.hold_belief);
   VemIteration out;
   out.elbo = expectation_.bound() - other_cost_;
   maximise(iteration, out);
@@ -72,6 +72,7 @@ void Vem::maximise(int iteration, VemIteration& out) {
     expectation_.decide(sheet_, estimate_.error2, iteration >= options_.burn_in, information_);
     const MaximiseReport report = maximiser_->maximise(information_, 1, 0.0, estimate_);
     out.cost = report.cost_after;
+    out.preparation_s += report.preparation_s;
     if (report.failed) break;
   }
   for (std::size_t t = 0; t < before.size(); ++t) {
@@ -99,7 +100,7 @@ void Vem::count(VemIteration& out) {
 
 bool Vem::settled(int iteration, const VemResult& result) const {
   const VemIteration& last = result.iterations.back();
-  const bool early = iteration == 0 || iteration < options_.burn_in || least_sigma(iteration) > sheet_.smallest_sigma();
+  const bool early = iteration == 0 || iteration < std::max(options_.burn_in, options_.hold_belief) || least_sigma(iteration) > sheet_.smallest_sigma();
   if (early || last.num_flipped > 0 || last.moved_m > options_.stop_m || last.moved_rad > options_.stop_rad)
     return false;
   const std::size_t objects = estimate_.objects.size();

@@ -20,6 +20,7 @@ struct VemIteration {
   double moved_m = 0.0, moved_rad = 0.0;  // the furthest any pose went in its M-step
   int num_accepted = 0, num_flipped = 0;  // matches; flipped: decided otherwise than the iteration before
   Rigid3 T_world_camera;                  // of the current frame, after it
+  double preparation_s = 0.0;             // Ceres' own, by its clock, of what its M-step took
 };
 
 struct VemObjectResult {

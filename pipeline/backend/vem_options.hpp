@@ -26,16 +26,18 @@ struct VemOptions {
   bool mean_field = false;  // q(v) takes the responsibilities in: the whole coordinate ascent
 
   double sigma_rigid_m = 0.03;
-  double sigma_prior_m = 0.05;
+  double sigma_prior_m = 0.02;  // see docs/vem.md: a window weighs each match anew, the prior once
   double e_max_m = 4.0;
 
   int max_iterations = 30;  // of EM
-  int steps = 2;            // of Gauss-Newton in each M-step, the gate decided anew before each
+  int steps = 1;            // of Gauss-Newton in each M-step, the gate decided anew before each
   double stop_m = 1e-4;     // both: no pose moved further and nothing was decided otherwise
   double stop_rad = 1e-4;
-  double stop_consistency = 0.01;  // and no E[v] changed by more
-  // Not in the paper: at first all matches count by E[pi] alone, and sigma of the matches begins large.
+  double stop_consistency = 0.02;  // and no E[v] changed by more
+  // Not in the paper: at first all matches count by E[pi] alone, beliefs stay as stored, and sigma of the matches
+  // begins large.
   int burn_in = 5;              // iterations without gate; 0: none
+  int hold_belief = 3;          // iterations without update of beliefs; 0: none
   double anneal_sigma_m = 0.5;  // 0: none
   double anneal_factor = 0.75;  // per iteration, until the match's own sigma
 

@@ -27,7 +27,7 @@ struct Held {
     Expectation expectation;
     expectation.start(window, sheet, options);
     sheet.set_least_sigma(0.3);  // as in the first iterations, else nothing would be accepted
-    expectation.run(sheet, estimate.error2);
+    expectation.run(sheet, estimate.error2, false);
     information.assign(sheet.num_slots(), Quad{});
     expectation.decide(sheet, estimate.error2, true, information);
   }
