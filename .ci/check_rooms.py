@@ -57,7 +57,7 @@ CALLS_NOT_IN_PIPELINE = re.compile(r"\bstd::(j?thread|async)\b|\b(fopen|pthread_
 # Kernels are compiled for several machines: an inline function of a library would be compiled for the widest one, and
 # the linker may then keep that copy for everybody.
 KERNEL_HEADERS = {"immintrin.h", "stdint.h", "stddef.h", "cstdint", "cstddef"}
-KERNEL_FOLDERS = ("pipeline/frontend/kernels/", "pipeline/mapping/kernels/")
+KERNEL_FOLDERS = ("pipeline/frontend/kernels/", "pipeline/mapping/kernels/", "pipeline/backend/kernels/")
 
 MACHINE_NAMES = re.compile(r"(?<![\w.])/(?:work|home|root|tmp/w[t]?)/")
 

@@ -1,0 +1,202 @@
+#include "pipeline/backend/expect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/backend/kernels/dispatch.hpp"
+
+namespace povslam {
+
+namespace {
+
+constexpr int kInnerIterations = 20;  // of E[pi] against q(v), until neither changes
+constexpr double kInnerTolerance = 1e-9;
+
+ConsistencyLogs structure_logs() {
+  return {std::log(kMaxConsistency), std::log1p(-kMaxConsistency)};
+}
+
+// All matches of an object as one: sum of what each says for "unchanged" against "changed".
+double pooled_evidence(const WindowSheet& sheet, std::size_t object, const Quad* error2) {
+  double sum = 0.0;
+  const Quad *inverse = sheet.inverse_variance(object), *bias = sheet.bias(object);
+  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
+    for (int i = 0; i < kVemLanes; ++i) {
+      const double iv = inverse[slot].lane[i];
+      if (iv > 0.0) sum += bias[slot].lane[i] - 0.5 * error2[slot].lane[i] * iv;
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+void Expectation::start(const VemWindow& window, const WindowSheet& sheet, const VemOptions& options) {
+  options_ = options;
+  log_uniform_ = log_uniform(window.dimension, options.e_max_m, options.uniform_measure);
+  states_.assign(window.objects.size(), State{});
+  std::vector<std::size_t> owner;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const VemObject& object = window.objects[i];
+    State& state = states_[i];
+    state.object_class.kind = object.kind;
+    state.object_class.k_inlier = object.k_inlier;
+    state.object_class.k_outlier = object.k_outlier;
+    state.stored = state.working = object.belief;
+    state.q_alpha = object.belief.alpha;
+    state.q_beta = object.belief.beta;
+    state.structure = object.kind == ClassKind::structure;
+    owner.insert(owner.end(), static_cast<std::size_t>(object.num_landmarks), i);
+  }
+  for (const VemMatch& match : window.matches) {
+    State& state = states_[owner[static_cast<std::size_t>(match.landmark)]];
+    ++state.num_matches;
+    state.latest_frame = std::max(state.latest_frame, static_cast<int>(match.frame));
+  }
+  pi_.assign(sheet.num_slots(), Quad{});
+}
+
+void Expectation::run(const WindowSheet& sheet, const std::vector<Quad>& error2, bool held) {
+  bound_ = 0.0;
+  for (std::size_t object = 0; object < states_.size(); ++object) {
+    State& state = states_[object];
+    if (state.num_matches == 0) continue;
+    state.change_m = measure_change(sheet, object, error2);
+    if (!state.structure && !held) update_belief(state);
+    double sum_pi = weigh(sheet, object, error2);
+    const bool inner = options_.mean_field && !state.structure;
+    for (int i = 0; inner && i < kInnerIterations; ++i) {
+      const double before = state.q_alpha;
+      state.q_alpha = state.working.alpha + sum_pi;
+      state.q_beta = state.working.beta + state.num_matches - sum_pi;
+      sum_pi = weigh(sheet, object, error2);
+      if (std::abs(state.q_alpha - before) < kInnerTolerance) break;
+    }
+    bound_ += state.bound;
+    if (inner) bound_ -= kl_beta(state.q_alpha, state.q_beta, state.working.alpha, state.working.beta);
+  }
+}
+
+double Expectation::measure_change(const WindowSheet& sheet, std::size_t object,
+                                   const std::vector<Quad>& error2) const {
+  double sum = 0.0;
+  int count = 0;
+  const int frames = sheet.num_frames();
+  const Quad* inverse = sheet.inverse_variance(object);
+  const Quad* square = error2.data() + sheet.first_slot(object);
+  for (int slot = states_[object].latest_frame; slot < sheet.slots_of(object); slot += frames) {
+    for (int i = 0; i < kVemLanes; ++i) {
+      if (!(inverse[slot].lane[i] > 0.0)) continue;
+      sum += std::sqrt(square[slot].lane[i]);
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+void Expectation::update_belief(State& state) const {
+  if (options_.em_state == VemState::held) return;
+  Belief before = state.stored;
+  if (options_.em_state == VemState::full) before = state.working;
+  if (options_.em_state == VemState::beta) {
+    before.alpha = state.working.alpha;
+    before.beta = state.working.beta;
+  }
+  state.working = observe_change(before, state.change_m, state.object_class, options_.belief).belief;
+  if (options_.em_state == VemState::beta) {
+    state.working.mu = state.stored.mu;
+    state.working.sigma2 = state.stored.sigma2;
+  }
+  if (options_.mean_field) return;  // q(v) goes on from where it was
+  state.q_alpha = state.working.alpha;
+  state.q_beta = state.working.beta;
+}
+
+ConsistencyLogs Expectation::logs(const State& state) const {
+  if (state.structure) return structure_logs();
+  if (options_.weights == VemWeights::single_point) return logs_of_expected({0.0, 1.0, state.q_alpha, state.q_beta});
+  return expected_logs(state.q_alpha, state.q_beta);
+}
+
+double Expectation::expected_v(std::size_t object) const {
+  const State& state = states_[object];
+  return state.structure ? kMaxConsistency : state.q_alpha / (state.q_alpha + state.q_beta);
+}
+
+double Expectation::gate_odds(const State& state) const {
+  return state.structure ? structure_logs().odds() : logs_of_expected({0.0, 1.0, state.q_alpha, state.q_beta}).odds();
+}
+
+double Expectation::weigh(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2) {
+  if (options_.pool == VemPool::object) return weigh_pooled(sheet, object, error2);
+  State& state = states_[object];
+  const ConsistencyLogs at = logs(state);
+  const std::size_t first = sheet.first_slot(object);
+  VemExpect sums{at.odds(), 0.0, 0.0};
+  vem_kernels().expect(sheet.slots_of(object), error2.data() + first, sheet.inverse_variance(object),
+                       sheet.bias(object), &sums, pi_.data() + first);
+  state.bound = state.num_matches * (at.log_not_v + log_uniform_) + sums.sum_excess;
+  return sums.sum_pi;
+}
+
+double Expectation::weigh_pooled(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2) {
+  State& state = states_[object];
+  const ConsistencyLogs at = logs(state);
+  const std::size_t first = sheet.first_slot(object);
+  const double evidence = pooled_evidence(sheet, object, error2.data() + first);
+  const double pi = responsibility(at.odds(), evidence, 0.0, 1.0);
+  const Quad* inverse = sheet.inverse_variance(object);
+  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
+    for (int i = 0; i < kVemLanes; ++i) {
+      pi_[first + static_cast<std::size_t>(slot)].lane[i] = inverse[slot].lane[i] > 0.0 ? pi : 0.0;
+    }
+  }
+  state.bound = state.num_matches * log_uniform_ + match_bound(at, evidence, 0.0);
+  return state.num_matches * pi;
+}
+
+void Expectation::decide(const WindowSheet& sheet, const std::vector<Quad>& error2, bool gated,
+                         std::vector<Quad>& information) const {
+  const bool open = !gated || options_.gate == VemGate::none;
+  for (std::size_t object = 0; object < states_.size(); ++object) {
+    const std::size_t first = sheet.first_slot(object);
+    const Quad* errors = error2.data() + first;
+    Quad* out = information.data() + first;
+    if (!open && options_.pool == VemPool::object) {
+      decide_pooled(sheet, object, errors, out);
+    } else if (!open && options_.gate == VemGate::expected_pi && !states_[object].structure) {
+      decide_by_pi(sheet, object, errors, out);
+    } else {
+      const double odds = open ? std::numeric_limits<double>::infinity() : gate_odds(states_[object]);
+      vem_kernels().gate(sheet.slots_of(object), odds, errors, sheet.inverse_variance(object), sheet.bias(object),
+                         pi_.data() + first, out);
+    }
+  }
+}
+
+void Expectation::decide_by_pi(const WindowSheet& sheet, std::size_t object, const Quad* error2,
+                               Quad* information) const {
+  const Quad *pi = pi_.data() + sheet.first_slot(object), *inverse = sheet.inverse_variance(object);
+  const Quad* bias = sheet.bias(object);
+  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
+    for (int i = 0; i < kVemLanes; ++i) {
+      const double p = pi[slot].lane[i], iv = inverse[slot].lane[i];
+      const double logit = std::log(p / (1.0 - p)) + bias[slot].lane[i] - 0.5 * error2[slot].lane[i] * iv;
+      information[slot].lane[i] = logit >= 0.0 ? p * iv : 0.0;
+    }
+  }
+}
+
+void Expectation::decide_pooled(const WindowSheet& sheet, std::size_t object, const Quad* error2,
+                                Quad* information) const {
+  const Quad *pi = pi_.data() + sheet.first_slot(object), *inverse = sheet.inverse_variance(object);
+  const bool accepted = gate_odds(states_[object]) + pooled_evidence(sheet, object, error2) >= 0.0;
+  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
+    for (int i = 0; i < kVemLanes; ++i) {
+      information[slot].lane[i] = accepted ? pi[slot].lane[i] * inverse[slot].lane[i] : 0.0;
+    }
+  }
+}
+
+}  // namespace povslam

@@ -1,0 +1,71 @@
+// The variational EM's vector kernels: plain functions on raw pointers, compiled once per instruction set
+// (*.kernel.cpp) and picked at run time (dispatch.hpp). Every set returns the same bits. Kernel sources include nothing
+// but this and lanes.hpp.
+//
+// Landmarks lie in blocks of kVemLanes, all of one object. Arrays are by block, then frame, then axis, as `Quad`s;
+// a match that is not there has inverse variance 0, a lane without landmark has prior weight 1 at the origin.
+// All of a landmark's residuals are "target minus landmark": with the noise isotropic, that of rigidity has the same
+// norm in the world as in the object's frame. So its best place is a weighted mean, and what remains is small.
+#pragma once
+
+#include <stdint.h>
+
+namespace povslam {
+
+enum { kVemLanes = 4 };
+enum { kVemMaxFrames = 32 };
+struct alignas(32) Quad {
+  double lane[kVemLanes];
+};
+
+struct VemBlocks {  // of one object: pointers to its first block
+  int num_blocks, num_frames;
+  const Quad* p_camera;      // block, frame, axis
+  const Quad* information;   // block, frame: weight / variance of a match [1/m^2]
+  const Quad* p_object;      // block, axis
+  const Quad* p_prev;        // block, axis
+  const Quad* prior_weight;  // block [1/m^2]
+  const Quad* rigid_weight;  // block [1/m^2]
+};
+
+struct VemPlaces {                       // where things are
+  const double* R_p;                     // frame: 9 of R_world_camera by row, 3 of the camera's position
+  double cos_yaw, sin_yaw, position[3];  // of the object
+};
+
+// (weight, expected share) of a set of matches, and of what the ELBO is made of.
+struct VemExpect {
+  double odds;        // logarithm, before the residual is looked at
+  double sum_pi;      // out
+  double sum_excess;  // out: sum of log(1 + exp(logit))
+};
+
+// Sums over an object's landmarks for its pair with each frame, see moments().
+struct VemMoments {
+  // Frame t, s <= t, at [t * num_frames + s]: 16 of sum c [1; d_t] [1; d_s]^T in the cameras' axes, where c is w_t w_s
+  // / W, for s = t it is w_t - w_t^2 / W and only those on and below the diagonal are set.
+  double* pairs;
+  double* frame_gradient;     // frame: 6, sum w r and sum w (R d) x r; world
+  double* frame_object;       // frame: 12 of sum c [1; d_t] [1; lx; ly]^T; of this object alone
+  double object[4];           // sum c, c lx, c ly, c (lx^2 + ly^2), c = w - w^2 / W
+  double object_gradient[4];  // sum w r and sum w (S R l) . r
+  Quad* scratch;              // kVemChunk * (num_frames + 1) * 4
+};
+enum { kVemChunk = 16 };
+
+struct VemKernels {
+  // Squared residuals [m^2] by block, frame, of landmarks where they are; returns 1/2 the weighted sum of all others'.
+  double (*measure)(const VemBlocks* blocks, const VemPlaces* places, const Quad* landmark, Quad* error2);
+  // Landmarks to their best places, squared residuals there; returns 1/2 the weighted sum of all their residuals.
+  double (*settle)(const VemBlocks* blocks, const VemPlaces* places, Quad* landmark, Quad* error2);
+  // E[pi] = sigmoid(odds + bias - error2 / 2 variance), 0 without match. count: Quads.
+  void (*expect)(int count, const Quad* error2, const Quad* inverse_variance, const Quad* bias, VemExpect* expect,
+                 Quad* pi);
+  // information = pi / variance where odds + bias - error2 / 2 variance >= 0, else 0.
+  void (*gate)(int count, double odds, const Quad* error2, const Quad* inverse_variance, const Quad* bias,
+               const Quad* pi, Quad* information);
+  // Adds to pairs and frame_gradient, sets the rest.
+  void (*moments)(const VemBlocks* blocks, const VemPlaces* places, VemMoments* moments);
+};
+
+}  // namespace povslam

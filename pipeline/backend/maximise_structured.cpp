@@ -1,0 +1,278 @@
+// Gauss-Newton on what is left when landmarks and objects are eliminated.
+//
+// With isotropic noise each residual of a landmark is "target minus landmark", so its block is a scalar W = sum w, its
+// best place l* = sum w z / W is exact for any poses, and eliminating it leaves, of two targets a and b,
+//   H_ab = [a = b] w_a J_a^T J_a - w_a w_b / W J_a^T J_b,   g_a = J_a^T w_a (z_a - l*)
+// where J = [I, -[a]x] of a pose (a = R d) and [I, S R l] of an object depend on constant points only through their
+// rotation: sums of 4x4 moments of the constant points come first (moments.kernel.cpp), rotations after.
+// Objects couple to poses alone: each 4x4 goes next, and 6 unknowns for each frame remain.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/backend/factors/pose_prior_factor.hpp"
+#include "pipeline/backend/factors/vo_transition_factor.hpp"
+#include "pipeline/backend/maximise.hpp"
+#include "pipeline/backend/places.hpp"
+
+namespace povslam {
+
+namespace {
+
+using Moments4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+using Moments43 = Eigen::Matrix<double, 4, 3, Eigen::RowMajor>;
+using Block64 = Eigen::Matrix<double, 6, 4>;
+
+constexpr int kMaxTries = 8;
+constexpr double kFirstDamping = 1e-4;
+
+// sum c J_t^T J_s for poses t, s from sum c [1; d_t] [1; d_s]^T.
+Matrix6d pose_pose(const Moments4& m, const Eigen::Matrix3d& R_t, const Eigen::Matrix3d& R_s) {
+  const Eigen::Vector3d a_t = R_t * m.bottomLeftCorner<3, 1>(), a_s = R_s * m.topRightCorner<1, 3>().transpose();
+  const Eigen::Matrix3d both = R_t * m.bottomRightCorner<3, 3>() * R_s.transpose();
+  Matrix6d H;
+  H.topLeftCorner<3, 3>() = m(0, 0) * Eigen::Matrix3d::Identity();
+  H.topRightCorner<3, 3>() = -skew(a_s);
+  H.bottomLeftCorner<3, 3>() = skew(a_t);
+  H.bottomRightCorner<3, 3>() = both.trace() * Eigen::Matrix3d::Identity() - both.transpose();
+  return H;
+}
+
+// sum c J_t^T J_o from sum c [1; d_t] [1; lx; ly]^T.
+Block64 pose_object(const Moments43& m, const Eigen::Matrix3d& R_t, const Eigen::Rotation2Dd& R_o) {
+  const Eigen::Vector2d q = R_o * Eigen::Vector2d(m(0, 1), m(0, 2));
+  const Eigen::Matrix<double, 3, 2> both = R_t * m.bottomRightCorner<3, 2>() * R_o.toRotationMatrix().transpose();
+  Block64 H = Block64::Zero();
+  H.topLeftCorner<3, 3>() = m(0, 0) * Eigen::Matrix3d::Identity();
+  H.topRightCorner<3, 1>() << -q.y(), q.x(), 0.0;
+  H.bottomLeftCorner<3, 3>() = skew(R_t * m.bottomLeftCorner<3, 1>());
+  H.bottomRightCorner<3, 1>() << -both(2, 0), -both(2, 1), both(0, 0) + both(1, 1);
+  return H;
+}
+
+Eigen::Matrix4d object_object(const double* m, const Eigen::Rotation2Dd& R_o) {
+  const Eigen::Vector2d q = R_o * Eigen::Vector2d(m[1], m[2]);
+  Eigen::Matrix4d H = m[0] * Eigen::Matrix4d::Identity();
+  H(0, 3) = H(3, 0) = -q.y();
+  H(1, 3) = H(3, 1) = q.x();
+  H(3, 3) = m[3];
+  return H;
+}
+
+class StructuredMaximiser final : public Maximiser {
+ public:
+  void start(const VemWindow& window, const WindowSheet& sheet) override;
+  MaximiseReport maximise(const std::vector<Quad>& information, int max_steps, double tolerance,
+                          VemEstimate& estimate) override;
+
+ private:
+  void linearise(const std::vector<Quad>& information, const VemEstimate& estimate);
+  void add_object(std::size_t object, const std::vector<Quad>& information, const VemEstimate& estimate,
+                  Places& places);
+  void add_pairs(const VemEstimate& estimate);
+  void add_motion(const VemEstimate& estimate);
+  void hold();
+  bool solve(double damping);
+  void move(const VemEstimate& from, VemEstimate& to) const;
+  double cost(const std::vector<Quad>& information, VemEstimate& estimate) const;
+  auto H_block(std::size_t t, std::size_t s) {
+    return H_.block<6, 6>(static_cast<Eigen::Index>(6 * t), static_cast<Eigen::Index>(6 * s));
+  }
+
+  const VemWindow* window_ = nullptr;
+  const WindowSheet* sheet_ = nullptr;
+  Eigen::MatrixXd H_, reduced_, coupling_, half_;  // poses; with objects gone; pose-object; its solved half
+  Eigen::VectorXd g_, reduced_g_, step_;           // poses
+  std::vector<Eigen::Matrix4d> object_H_;
+  std::vector<Eigen::LLT<Eigen::Matrix4d>> object_factor_;
+  std::vector<Eigen::Vector4d> object_g_, object_step_;
+  std::vector<double> pairs_, frame_gradient_, frame_object_;
+  std::vector<Quad> scratch_;
+  VemEstimate trial_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+void StructuredMaximiser::start(const VemWindow& window, const WindowSheet& sheet) {
+  window_ = &window;
+  sheet_ = &sheet;
+  const std::size_t frames = window.poses.size(), objects = window.objects.size();
+  const auto unknowns = static_cast<Eigen::Index>(6 * frames), columns = static_cast<Eigen::Index>(4 * objects);
+  H_.resize(unknowns, unknowns);
+  reduced_.resize(unknowns, unknowns);
+  coupling_.resize(unknowns, columns);
+  half_.resize(unknowns, columns);
+  for (auto* vector : {&g_, &reduced_g_, &step_}) vector->resize(unknowns);
+  object_H_.resize(objects);
+  object_factor_.resize(objects);
+  object_g_.resize(objects);
+  object_step_.resize(objects);
+  pairs_.resize(16 * frames * frames);
+  frame_gradient_.resize(6 * frames);
+  frame_object_.resize(12 * frames);
+  scratch_.resize(4 * kVemChunk * (frames + 1));
+}
+
+void StructuredMaximiser::linearise(const std::vector<Quad>& information, const VemEstimate& estimate) {
+  std::ranges::fill(pairs_, 0.0);
+  std::ranges::fill(frame_gradient_, 0.0);
+  coupling_.setZero();
+  Places places(estimate);
+  for (std::size_t object = 0; object < object_H_.size(); ++object) add_object(object, information, estimate, places);
+  add_pairs(estimate);
+  add_motion(estimate);
+  hold();
+}
+
+void StructuredMaximiser::add_object(std::size_t object, const std::vector<Quad>& information,
+                                     const VemEstimate& estimate, Places& places) {
+  const VemBlocks blocks = sheet_->blocks(object, information.data());
+  VemMoments moments{pairs_.data(), frame_gradient_.data(), frame_object_.data(), {}, {}, scratch_.data()};
+  vem_kernels().moments(&blocks, &places.of(object), &moments);
+  const Eigen::Rotation2Dd R_o(estimate.objects[object].yaw);
+  object_H_[object] = object_object(moments.object, R_o);
+  object_g_[object] = Eigen::Map<const Eigen::Vector4d>(moments.object_gradient);
+  if (!sheet_->objects()[object].rigid) return;
+  for (std::size_t t = 0; t < estimate.poses.size(); ++t) {
+    const Eigen::Map<const Moments43> m(&frame_object_[12 * t]);
+    if (m(0, 0) == 0.0) continue;
+    coupling_.block<6, 4>(static_cast<Eigen::Index>(6 * t), static_cast<Eigen::Index>(4 * object)) =
+        -pose_object(m, estimate.poses[t].matrix3(), R_o);
+  }
+}
+
+void StructuredMaximiser::add_pairs(const VemEstimate& estimate) {
+  const std::size_t frames = estimate.poses.size();
+  g_ = Eigen::Map<const Eigen::VectorXd>(frame_gradient_.data(), g_.size());
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Eigen::Matrix3d R_t = estimate.poses[t].matrix3();
+    for (std::size_t s = 0; s < t; ++s) {
+      const Eigen::Map<const Moments4> m(&pairs_[16 * (t * frames + s)]);
+      H_block(t, s) = -pose_pose(m, R_t, estimate.poses[s].matrix3());
+    }
+    const Eigen::Map<const Moments4> lower(&pairs_[16 * (t * frames + t)]);
+    const Moments4 m = lower.selfadjointView<Eigen::Lower>();
+    H_block(t, t) = pose_pose(m, R_t, R_t);
+  }
+}
+
+void StructuredMaximiser::add_motion(const VemEstimate& estimate) {
+  const PosePriorError prior = pose_prior_error(window_->prior, estimate.poses.front());
+  const Vector6d held = inverse_sigmas(window_->prior.sigma_m, window_->prior.sigma_rad).cwiseAbs2();
+  H_block(0, 0) += prior.by_pose.transpose() * held.asDiagonal() * prior.by_pose;
+  g_.head<6>() += prior.by_pose.transpose() * held.cwiseProduct(prior.e);
+  for (std::size_t t = 0; t < window_->transitions.size(); ++t) {
+    const VemTransition& Z = window_->transitions[t];
+    const VoTransitionError error = vo_transition_error(Z, estimate.poses[t], estimate.poses[t + 1]);
+    const Vector6d weight = inverse_sigmas(Z.sigma_m, Z.sigma_rad).cwiseAbs2();
+    H_block(t, t) += error.by_before.transpose() * weight.asDiagonal() * error.by_before;
+    H_block(t + 1, t) += error.by_after.transpose() * weight.asDiagonal() * error.by_before;
+    H_block(t + 1, t + 1) += error.by_after.transpose() * weight.asDiagonal() * error.by_after;
+    g_.segment<6>(static_cast<Eigen::Index>(6 * t)) += error.by_before.transpose() * weight.cwiseProduct(error.e);
+    g_.segment<6>(static_cast<Eigen::Index>(6 * t + 6)) += error.by_after.transpose() * weight.cwiseProduct(error.e);
+  }
+}
+
+// Unknowns that stay where they are: a row of the identity, no gradient.
+void StructuredMaximiser::hold() {
+  const bool plane = sheet_->dimension() == 2;
+  for (std::size_t object = 0; object < object_H_.size(); ++object) {
+    const WindowSheet::Object& is = sheet_->objects()[object];
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      if (is.rigid && !(k == 2 && plane) && !(k == 3 && !is.free_yaw)) continue;
+      object_H_[object].row(k).setZero();
+      object_H_[object].col(k).setZero();
+      object_H_[object](k, k) = 1.0;
+      object_g_[object][k] = 0.0;
+      coupling_.col(static_cast<Eigen::Index>(4 * object) + k).setZero();
+    }
+  }
+  for (Eigen::Index i = 0; plane && i < g_.size(); ++i) {
+    if (i % 6 < 2 || i % 6 == 5) continue;
+    H_.row(i).setZero();
+    H_.col(i).setZero();
+    H_(i, i) = 1.0;
+    g_[i] = 0.0;
+    coupling_.row(i).setZero();
+  }
+}
+
+bool StructuredMaximiser::solve(double damping) {
+  reduced_ = H_;
+  reduced_.diagonal() *= 1.0 + damping;
+  reduced_g_ = g_;
+  for (std::size_t object = 0; object < object_H_.size(); ++object) {
+    const auto column = static_cast<Eigen::Index>(4 * object);
+    Eigen::Matrix4d H = object_H_[object];
+    H.diagonal() *= 1.0 + damping;
+    object_factor_[object].compute(H);
+    if (object_factor_[object].info() != Eigen::Success) return false;
+    auto half = half_.middleCols<4>(column);
+    half = coupling_.middleCols<4>(column);
+    object_factor_[object].matrixU().solveInPlace<Eigen::OnTheRight>(half);
+    reduced_g_ -= half * object_factor_[object].matrixL().solve(object_g_[object]);
+  }
+  reduced_.selfadjointView<Eigen::Lower>().rankUpdate(half_, -1.0);
+  factor_.compute(reduced_);
+  if (factor_.info() != Eigen::Success) return false;
+  step_ = -factor_.solve(reduced_g_);
+  for (std::size_t object = 0; object < object_H_.size(); ++object) {
+    const auto column = static_cast<Eigen::Index>(4 * object);
+    object_step_[object] =
+        -object_factor_[object].solve(object_g_[object] + coupling_.middleCols<4>(column).transpose() * step_);
+  }
+  return step_.allFinite();
+}
+
+void StructuredMaximiser::move(const VemEstimate& from, VemEstimate& to) const {
+  for (std::size_t t = 0; t < from.poses.size(); ++t) {
+    to.poses[t] = retract(from.poses[t], step_.segment<6>(static_cast<Eigen::Index>(6 * t)));
+  }
+  for (std::size_t object = 0; object < from.objects.size(); ++object) {
+    to.objects[object].position = from.objects[object].position + object_step_[object].head<3>();
+    to.objects[object].yaw = from.objects[object].yaw + object_step_[object][3];
+  }
+}
+
+double StructuredMaximiser::cost(const std::vector<Quad>& information, VemEstimate& estimate) const {
+  return settle_landmarks(*sheet_, information, estimate) + motion_cost(*window_, estimate.poses);
+}
+
+MaximiseReport StructuredMaximiser::maximise(const std::vector<Quad>& information, int max_steps, double tolerance,
+                                             VemEstimate& estimate) {
+  MaximiseReport report;
+  trial_ = estimate;
+  report.cost_before = report.cost_after = cost(information, estimate);
+  while (report.steps < max_steps && !report.failed) {
+    linearise(information, estimate);
+    double damping = 0.0, now = report.cost_after;
+    bool lower = false;
+    for (int i = 0; i < kMaxTries && !lower; ++i, damping = std::max(kFirstDamping, 10.0 * damping)) {
+      if (!solve(damping)) continue;
+      move(estimate, trial_);
+      now = cost(information, trial_);
+      lower = now <= report.cost_after * (1.0 + 1e-12);
+    }
+    report.failed = !lower;
+    if (!lower) break;
+    std::swap(estimate, trial_);
+    report.cost_after = now;
+    ++report.steps;
+    report.moved_m = report.moved_rad = 0.0;
+    for (Eigen::Index t = 0; t < step_.size(); t += 6) {
+      report.moved_m = std::max(report.moved_m, step_.segment<3>(t).norm());
+      report.moved_rad = std::max(report.moved_rad, step_.segment<3>(t + 3).norm());
+    }
+    double object_moved = 0.0;
+    for (const Eigen::Vector4d& step : object_step_) object_moved = std::max(object_moved, step.norm());
+    if (std::max({report.moved_m, report.moved_rad, object_moved}) <= tolerance) break;
+  }
+  return report;
+}
+
+}  // namespace
+
+std::unique_ptr<Maximiser> make_structured_maximiser() {
+  return std::make_unique<StructuredMaximiser>();
+}
+
+}  // namespace povslam

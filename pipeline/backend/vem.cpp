@@ -1,0 +1,167 @@
+#include "pipeline/backend/vem.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace povslam {
+
+namespace {
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2.0 * std::numbers::pi);
+}
+
+bool fine(const VemEstimate& estimate) {
+  const auto fine_pose = [](const Rigid3& T) { return T.translation.allFinite() && T.rotation.coeffs().allFinite(); };
+  const auto fine_object = [](const VemEstimate::Object& o) { return o.position.allFinite() && std::isfinite(o.yaw); };
+  const auto fine_quad = [](const Quad& q) {
+    return std::ranges::all_of(q.lane, [](double value) { return std::isfinite(value); });
+  };
+  return std::ranges::all_of(estimate.poses, fine_pose) && std::ranges::all_of(estimate.objects, fine_object) &&
+         std::ranges::all_of(estimate.landmarks, fine_quad);
+}
+
+}  // namespace
+
+Vem::Vem(const VemOptions& options) : options_(options), maximiser_(make_maximiser(options.solver)) {}
+
+VemResult Vem::solve(const VemWindow& window) {
+  VemResult result;
+  result.fault = fault_of(window);
+  if (!result.fault.empty()) return result;
+  sheet_.assign(window, options_);
+  estimate_ = sheet_.initial(window);
+  expectation_.start(window, sheet_, options_);
+  maximiser_->start(window, sheet_);
+  information_.assign(sheet_.num_slots(), Quad{});
+  accepted_.assign(sheet_.num_slots(), 0);
+  other_cost_ = measure_errors(sheet_, estimate_) + motion_cost(window, estimate_.poses);
+  for (int n = 0; n < options_.max_iterations && !result.converged; ++n) {
+    result.iterations.push_back(iterate(n));
+    for (std::size_t i = 0; i < window.objects.size(); ++i) result.consistency.push_back(expectation_.expected_v(i));
+    result.converged = settled(n, result);
+  }
+  result.solved = fine(estimate_);
+  if (!result.solved) estimate_ = sheet_.initial(window);
+  report_matches(window, result);
+  report_objects(window, result);
+  report_places(window, result);
+  return result;
+}
+
+double Vem::least_sigma(int iteration) const {
+  return options_.anneal_sigma_m * std::pow(options_.anneal_factor, iteration);
+}
+
+VemIteration Vem::iterate(int iteration) {
+  sheet_.set_least_sigma(least_sigma(iteration));
+  expectation_.run(sheet_, estimate_.error2, iteration < options_.hold_belief);
+  VemIteration out;
+  out.elbo = expectation_.bound() - other_cost_;
+  maximise(iteration, out);
+  count(out);
+  out.T_world_camera = estimate_.poses.back();
+  return out;
+}
+
+void Vem::maximise(int iteration, VemIteration& out) {
+  const std::vector<Rigid3> before = estimate_.poses;
+  for (int step = 0; step < options_.steps; ++step) {
+    expectation_.decide(sheet_, estimate_.error2, iteration >= options_.burn_in, information_);
+    const MaximiseReport report = maximiser_->maximise(information_, 1, 0.0, estimate_);
+    out.cost = report.cost_after;
+    out.preparation_s += report.preparation_s;
+    if (report.failed) break;
+  }
+  for (std::size_t t = 0; t < before.size(); ++t) {
+    const Vector6d moved = local(before[t], estimate_.poses[t]);
+    out.moved_m = std::max(out.moved_m, moved.head<3>().norm());
+    out.moved_rad = std::max(out.moved_rad, moved.tail<3>().norm());
+  }
+}
+
+void Vem::count(VemIteration& out) {
+  double matched = 0.0;
+  for (std::size_t slot = 0; slot < accepted_.size(); ++slot) {
+    unsigned now = 0;
+    for (unsigned i = 0; i < kVemLanes; ++i) {
+      const double information = information_[slot].lane[i];
+      now |= information > 0.0 ? 1U << i : 0U;
+      matched += information * estimate_.error2[slot].lane[i];
+    }
+    out.num_accepted += std::popcount(now);
+    out.num_flipped += std::popcount(now ^ accepted_[slot]);
+    accepted_[slot] = static_cast<unsigned char>(now);
+  }
+  other_cost_ = out.cost - 0.5 * matched;
+}
+
+bool Vem::settled(int iteration, const VemResult& result) const {
+  const VemIteration& last = result.iterations.back();
+  const bool early = iteration == 0 || iteration < std::max(options_.burn_in, options_.hold_belief) || least_sigma(iteration) > sheet_.smallest_sigma();
+  if (early || last.num_flipped > 0 || last.moved_m > options_.stop_m || last.moved_rad > options_.stop_rad)
+    return false;
+  const std::size_t objects = estimate_.objects.size();
+  const double* now = result.consistency.data() + result.consistency.size() - objects;
+  for (std::size_t i = 0; i < objects; ++i) {
+    if (std::abs(now[i] - *(now + i - objects)) > options_.stop_consistency) return false;
+  }
+  return true;
+}
+
+void Vem::report_matches(const VemWindow& window, VemResult& result) const {
+  for (const VemMatch& match : window.matches) {
+    const std::size_t at = sheet_.lane_of_match(match), slot = at / kVemLanes, lane = at % kVemLanes;
+    const bool accepted = result.solved && information_[slot].lane[lane] > 0.0;
+    result.matches.push_back(
+        {expectation_.responsibilities()[slot].lane[lane], std::sqrt(estimate_.error2[slot].lane[lane]), accepted});
+    result.num_accepted += accepted && match.frame + 1 == std::ssize(window.poses) ? 1 : 0;
+  }
+}
+
+void Vem::report_objects(const VemWindow& window, VemResult& result) const {
+  std::vector<std::size_t> owner;
+  for (std::size_t i = 0; i < window.objects.size(); ++i) {
+    const VemObject& asked = window.objects[i];
+    owner.insert(owner.end(), static_cast<std::size_t>(asked.num_landmarks), i);
+    VemObjectResult object{asked.position, wrapped(asked.yaw), expectation_.belief(i)};
+    object.consistency = expectation_.expected_v(i);
+    result.objects.push_back(object);
+  }
+  for (const VemMatch& match : window.matches) {
+    int& latest = result.objects[owner[static_cast<std::size_t>(match.landmark)]].latest_frame;
+    latest = std::max(latest, static_cast<int>(match.frame));
+  }
+  for (std::size_t i = 0; i < window.matches.size(); ++i) {
+    VemObjectResult& object = result.objects[owner[static_cast<std::size_t>(window.matches[i].landmark)]];
+    if (window.matches[i].frame != object.latest_frame) continue;
+    ++object.num_matches;
+    object.num_accepted += result.matches[i].accepted ? 1 : 0;
+    object.change_m += result.matches[i].error_m;
+  }
+  for (VemObjectResult& object : result.objects) {
+    if (object.num_matches > 0) object.change_m /= object.num_matches;
+    object.accepted = object.num_accepted >= options_.accept_matches &&
+                      object.num_accepted >= options_.accept_share * object.num_matches;
+  }
+}
+
+void Vem::report_places(const VemWindow& window, VemResult& result) const {
+  result.poses = estimate_.poses;
+  for (std::size_t i = 0; i < window.objects.size(); ++i) {
+    VemObjectResult& object = result.objects[i];
+    const bool stays = object.num_matches > 0 && !object.accepted;  // what is not believed must not drift
+    if (!stays) {
+      object.position = estimate_.objects[i].position;
+      object.yaw = wrapped(estimate_.objects[i].yaw);
+    }
+    for (int k = 0; k < window.objects[i].num_landmarks; ++k) {
+      const std::size_t at = result.landmarks.size();
+      result.landmarks.push_back(stays ? window.landmarks[at].p_prev : sheet_.landmark(estimate_.landmarks, at));
+    }
+  }
+}
+
+}  // namespace povslam
