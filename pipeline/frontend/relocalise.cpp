@@ -61,11 +61,12 @@ Relocaliser::Answer Relocaliser::search(const Map& map, PlaceIndex& index, const
   return best;
 }
 
-// Some keyframes a call; true once all of the place were looked at. What is known stays known.
+// Some keyframes a call; true once all of the place were looked at. What is known stays known until the map grows.
 bool Relocaliser::know_twins(const Map& map, PlaceIndex& index, const PlaceAround& place) {
   int looked = 0;
   for (const std::int32_t slot : place.keyframes()) {
-    if (twins_[static_cast<std::size_t>(slot)].of == map.keyframe(slot).id) continue;
+    const Twin& twin = twins_[static_cast<std::size_t>(slot)];
+    if (twin.of == map.keyframe(slot).id && twin.among == map.next_keyframe_id()) continue;
     if (looked++ == kTwinsPerCall) return false;
     look_for_twin(map, index, slot);
   }
@@ -75,7 +76,7 @@ bool Relocaliser::know_twins(const Map& map, PlaceIndex& index, const PlaceAroun
 void Relocaliser::look_for_twin(const Map& map, PlaceIndex& index, std::int32_t slot) {
   const Keyframe& kf = map.keyframe(slot);
   Twin& twin = twins_[static_cast<std::size_t>(slot)];
-  twin = {kf.id, -1, {}};
+  twin = {kf.id, map.next_keyframe_id(), -1, {}};
   index.query(kf.word);
   const PlaceAround here(map, slot);
   for (const std::int32_t near : here.keyframes()) index.leave_out(near);

@@ -60,7 +60,8 @@ class Relocaliser {
 
  private:
   struct Twin {                  // by keyframe slot
-    std::int64_t of = -1;        // keyframe id it was looked for
+    std::int64_t of = -1;        // keyframe id it was looked for…
+    std::int64_t among = -1;     // …among keyframes with ids below this one
     std::int64_t keyframe = -1;  // id of one elsewhere that looks the same; -1: none
     Rigid3 T_twin_world;         // carries a pose here to where it would be there
   };
