@@ -97,6 +97,25 @@ TEST(VerifyPlace, MissesWhatShouldBeBesideAKnownThing) {
   EXPECT_NE(made.ask(made.look(points, seen, kBetween).frame).verdict, Verdict::found);
 }
 
+// A bare board stands close before half of the lens: nothing there says that this is elsewhere.
+TEST(VerifyPlace, MissesNothingWhereTheViewIsBlank) {
+  made::Places made;
+  const auto points = made::cloud(kPoints, 1);
+  const auto looks = made::looks(kPoints, 2);
+  made.add_place(points, looks, kHere);
+  std::vector<Eigen::Vector3d> seen;
+  std::vector<Descriptor> seen_looks;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    if (points[i].x() > -0.25 * points[i].y()) continue;
+    seen.push_back(points[i]);
+    seen_looks.push_back(looks[i]);
+  }
+  const made::View view = made.look(seen, seen_looks, kBetween);
+  const auto answer = made.ask(view.frame);
+  ASSERT_EQ(answer.verdict, Verdict::found);
+  EXPECT_TRUE(same_pose(answer.fit.T_camera_world, view.frame.T_camera_world));
+}
+
 TEST(VerifyPlace, IsContradictedBySurfacesThatAreNotThere) {
   made::Places made;
   const auto points = made::cloud(kPoints, 1);
@@ -113,6 +132,26 @@ TEST(VerifyPlace, IsContradictedBySurfacesThatAreNotThere) {
   EXPECT_EQ(before->num_contradicted, 0);
   EXPECT_GT(after->num_contradicted, 5);
   EXPECT_LT(after->num_inliers, 0.75 * before->num_inliers);
+}
+
+// Eight places hold the same things in other order: they look more alike than the one where some of them stand right.
+TEST(VerifyPlace, ComesToThePlaceWhoseLooksAreNotTheLikeliest) {
+  made::Places made;
+  const auto points = made::cloud(kPoints, 1);
+  const auto looks = made::looks(kPoints, 2);
+  for (unsigned p = 1; p <= 8; ++p) {
+    const Eigen::Vector3d place(20.0 * p, 0.0, 0.0);
+    made.add_place(made::moved(made::cloud(kPoints, 10 + p), place), looks, place);
+  }
+  made.add_place(std::span(points).first(kPoints / 2), std::span(looks).first(kPoints / 2), kHere);
+  const made::View view = made.look(points, looks, kBetween);
+  EXPECT_EQ(made.ask(view.frame).verdict, Verdict::unknown);
+  for (int frame = 0; frame < 3; ++frame) {  // found with the next, and not lost again
+    const auto answer = made.ask(view.frame);
+    ASSERT_EQ(answer.verdict, Verdict::found) << frame;
+    EXPECT_TRUE(same_pose(answer.fit.T_camera_world, view.frame.T_camera_world));
+    EXPECT_LE(answer.places_tried, 2 * Relocaliser::kMaxPlaces);
+  }
 }
 
 TEST(VerifyPlace, NeverTakesNoiseForAPlace) {
