@@ -1,5 +1,6 @@
 #include "pipeline/frontend/frame.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace povslam {
@@ -28,6 +29,63 @@ Bounds rectified_bounds(const PinholeCamera& camera) {
 FeatureGrid make_grid(const PinholeCamera& camera, int capacity) {
   const Bounds b = rectified_bounds(camera);
   return {capacity, b.min_x, b.min_y, b.max_x, b.max_y};
+}
+
+constexpr int kSlope = 6;  // px: half width of what tells the slope
+
+struct Readings {
+  float mean = 0.0F;
+  int count = 0, behind = 0;  // of the surface; farther than it
+};
+
+// Of inverse depths (0: none), those within the tolerance of the nearest surface's mean. That is looked for from the
+// front backwards: the nearest reading of many is nearer than the surface, by as much as the sensor is noisy, and a
+// tolerance counted from it would cut the surface's back half off. All depth would be too near by a constant share,
+// which no loop closure takes out again.
+constexpr int kWindow = 25;
+Readings nearest_surface(const std::array<float, kWindow>& inverse, float front, float tolerance) {
+  constexpr int kRounds = 10;
+  Readings now;
+  float middle = front;
+  for (int round = 0; round < kRounds; ++round) {
+    float sum = 0.0F;
+    now = {};
+    for (const float reading : inverse) {
+      if (reading == 0.0F || reading - middle > tolerance) continue;
+      const bool on_it = middle - reading <= tolerance;
+      sum += on_it ? reading : 0.0F;
+      ++(on_it ? now.count : now.behind);
+    }
+    if (now.count == 0) return now;
+    now.mean = sum / static_cast<float>(now.count);
+    if (now.mean == middle) break;
+    middle = now.mean;
+  }
+  return now;
+}
+
+struct Slope {
+  float x = 0.0F, y = 0.0F;
+};
+
+template <class InverseAt>
+Slope slope_of(const InverseAt& inverse_at, float tolerance) {
+  float along_x = 0.0F, along_y = 0.0F, weight = 0.0F;
+  for (int k = 2; k <= kSlope; k += 2) {  // opposite readings in pairs: their difference is the slope
+    for (int side = -2; side <= 2; side += 2) {
+      const float right = inverse_at(k, side), left = inverse_at(-k, side);
+      const float low = inverse_at(side, k), high = inverse_at(side, -k);
+      const float limit = tolerance * static_cast<float>(k);
+      const bool whole = right > 0.0F && left > 0.0F && low > 0.0F && high > 0.0F;
+      if (!whole || std::abs(right - left) > limit || std::abs(low - high) > limit) continue;
+      along_x += static_cast<float>(k) * (right - left);
+      along_y += static_cast<float>(k) * (low - high);
+      weight += static_cast<float>(2 * k * k);
+    }
+  }
+  // Few pairs say little: the slope leans towards zero (facing the camera).
+  constexpr float kLean = 60.0F;
+  return {along_x / (weight + kLean), along_y / (weight + kLean)};
 }
 
 }  // namespace
@@ -129,7 +187,8 @@ void FrameBuilder::measure_depth(const RgbdFrame& input, double noise_factor, Fr
 }
 
 FrameBuilder::Surface FrameBuilder::measure_surface(const RgbdFrame& input, float x, float y) const {
-  constexpr int kInner = 1, kMean = 2, kSlope = 6;  // px: half widths
+  constexpr int kInner = 1, kMean = 2;  // px: half widths
+  static_assert(kWindow == (2 * kMean + 1) * (2 * kMean + 1));
   const float nearest = static_cast<float>(noise_.min_depth_m), farthest = static_cast<float>(noise_.max_depth_m);
   const float sigma_one = static_cast<float>(noise_.depth_sigma_quadratic_per_m);
   const int u = static_cast<int>(std::lround(x)), v = static_cast<int>(std::lround(y));
@@ -144,46 +203,23 @@ FrameBuilder::Surface FrameBuilder::measure_surface(const RgbdFrame& input, floa
     for (int du = -kInner; du <= kInner; ++du) front = std::max(front, inverse_at(du, dv));
   }
   if (front == 0.0F) return surface;
-  const float tolerance = std::max(6.0F * sigma_one, 0.04F * front);
-  float sum = 0.0F;
-  int count = 0, behind = 0;
+  std::array<float, kWindow> around;
+  std::size_t k = 0;
   for (int dv = -kMean; dv <= kMean; ++dv) {
-    for (int du = -kMean; du <= kMean; ++du) {
-      const float inverse = inverse_at(du, dv);
-      if (inverse == 0.0F) continue;
-      if (front - inverse > tolerance) {
-        ++behind;
-      } else {
-        sum += inverse;
-        ++count;
-      }
-    }
+    for (int du = -kMean; du <= kMean; ++du) around[k++] = inverse_at(du, dv);
   }
-  if (count < 4) return surface;
-  const float mean = sum / static_cast<float>(count);
-  float along_x = 0.0F, along_y = 0.0F, weight = 0.0F;
-  for (int k = 2; k <= kSlope; k += 2) {  // opposite readings in pairs: their difference is the slope
-    for (int side = -2; side <= 2; side += 2) {
-      const float right = inverse_at(k, side), left = inverse_at(-k, side);
-      const float low = inverse_at(side, k), high = inverse_at(side, -k);
-      const float limit = tolerance * static_cast<float>(k);
-      const bool whole = right > 0.0F && left > 0.0F && low > 0.0F && high > 0.0F;
-      if (!whole || std::abs(right - left) > limit || std::abs(low - high) > limit) continue;
-      along_x += static_cast<float>(k) * (right - left);
-      along_y += static_cast<float>(k) * (low - high);
-      weight += static_cast<float>(2 * k * k);
-    }
-  }
-  // Few pairs say little: the slope leans towards zero (facing the camera).
-  constexpr float kLean = 60.0F;
-  surface.slope_x = along_x / (weight + kLean);
-  surface.slope_y = along_y / (weight + kLean);
-  surface.inverse_depth = mean;
+  const float tolerance = std::max(6.0F * sigma_one, 0.04F * front);
+  const Readings near = nearest_surface(around, front, tolerance);
+  if (near.count < 4) return surface;
+  const Slope slope = slope_of(inverse_at, tolerance);
+  surface.slope_x = slope.x;
+  surface.slope_y = slope.y;
+  surface.inverse_depth = near.mean;
   // Neighbouring readings share much of their error: averaging is trusted for a factor of two at most. On an edge
   // the surface itself is uncertain.
-  const float floor = static_cast<float>(noise_.depth_sigma_floor_m) * mean * mean;
-  const float gain = std::min(2.0F, std::sqrt(static_cast<float>(count)));
-  const float edge = behind > 3 ? 3.0F : 1.0F;
+  const float floor = static_cast<float>(noise_.depth_sigma_floor_m) * near.mean * near.mean;
+  const float gain = std::min(2.0F, std::sqrt(static_cast<float>(near.count)));
+  const float edge = near.behind > 3 ? 3.0F : 1.0F;
   surface.sigma = edge * std::sqrt(sigma_one * sigma_one / (gain * gain) + floor * floor);
   return surface;
 }

@@ -11,10 +11,23 @@ constexpr double kMinMoveM = 0.05;   // a camera that stands still makes no keyf
 constexpr double kMinTurnRad = 0.05;
 constexpr std::int64_t kProbationKeyframes = 3;
 constexpr double kMinFoundRatio = 0.25;
+constexpr double kJoinedShare = 0.25;    // of what the frame finds, seen by a keyframe that serves in its stead
 constexpr double kRedundantShare = 0.9;  // of a keyframe's landmarks, seen by others as well
 constexpr double kSameView = 0.15;       // of the image's width: views that differ less are of one place
 constexpr int kKeyframesPerView = 3;
 constexpr std::int64_t kSettledKeyframes = 20;  // made since, or as long ago as so many would have taken
+
+int shared(const Frame& frame, const Map& map, std::int32_t keyframe) {
+  int count = 0;
+  for (int i = 0; i < frame.size(); ++i) {
+    const std::int32_t seen = frame.landmark[static_cast<std::size_t>(i)];
+    if (seen == kNone) continue;
+    const Landmark& point = map.landmark(seen);
+    const auto sightings = std::span(point.sightings).first(static_cast<std::size_t>(point.num_sightings));
+    count += std::ranges::any_of(sightings, [&](const auto& s) { return s.keyframe == keyframe; }) ? 1 : 0;
+  }
+  return count;
+}
 
 double mean_inverse_depth(std::span<const float> inverse_depth) {
   double sum = 0.0;
@@ -50,7 +63,8 @@ bool Keyframer::wanted(const Frame& frame, const Map& map, std::int32_t newest, 
   return false;
 }
 
-// Whether an earlier visit's keyframe of about this view serves as well as a new one: the frame finds what it kept.
+// Whether an earlier visit's keyframe of about this view serves as well as a new one: the frame finds what it kept, and
+// not just as much, in a copy of the place that drift has put beside it.
 bool Keyframer::covered(const Frame& frame, const Map& map, const Keyframe& newest, int num_inliers) const {
   const Rigid3 T_world_camera = frame.T_camera_world.inverse();
   const double inverse_depth =
@@ -59,7 +73,7 @@ bool Keyframer::covered(const Frame& frame, const Map& map, const Keyframe& newe
     const Keyframe& kf = map.keyframe(s);
     if (!kf.alive || !settled(kf, newest.id, frame.index)) continue;
     if (image_shift(camera_, kf.T_world_camera, T_world_camera, inverse_depth) < kSameView &&
-        num_inliers >= kOverlap * landmarks_seen(kf)) {
+        num_inliers >= kOverlap * landmarks_seen(kf) && shared(frame, map, s) >= kJoinedShare * num_inliers) {
       return true;
     }
   }

@@ -6,8 +6,7 @@
 namespace povslam {
 
 namespace {
-constexpr float kLocalRadiusPx = 4.0F;   // on the predicted level
-constexpr float kRemoteWidening = 2.0F;  // landmarks of an older visit lie off by the drift since
+constexpr float kLocalRadiusPx = 4.0F;  // on the predicted level
 constexpr double kMaxViewChangeCos = 0.45;
 constexpr double kNearestM = 0.1;
 constexpr double kRatioLast = 0.9;
@@ -42,13 +41,19 @@ void LandmarkSearch::match_last(const Map& map, const Frame& last, const Frame& 
   }
 }
 
-void LandmarkSearch::match_local(Map& map, const LocalMap& local_map, const Frame& frame, const Rigid3& T_camera_world,
-                                 float widening, Matcher& matcher) const {
+void LandmarkSearch::match_local(Map& map, std::span<const std::int32_t> landmarks, const Frame& frame,
+                                 const Rigid3& T_camera_world, float widening, Matcher& matcher) const {
   matcher.start(frame);
+  match_more(map, landmarks, frame, T_camera_world, widening, matcher);
+}
+
+void LandmarkSearch::match_more(Map& map, std::span<const std::int32_t> landmarks, const Frame& frame,
+                                const Rigid3& T_camera_world, float widening, Matcher& matcher) const {
+  matcher.hold();
   const Eigen::Vector3d p_world_camera = T_camera_world.inverse().translation;
   const Eigen::Matrix3d R = T_camera_world.matrix3();
-  for (const LocalLandmark& local : local_map.landmarks()) {
-    Landmark& point = map.landmark(local.slot);
+  for (const std::int32_t slot : landmarks) {
+    Landmark& point = map.landmark(slot);
     const Eigen::Vector3d p = R * point.p_world + T_camera_world.translation;
     if (p.z() < kNearestM) continue;
     const double u = camera_.fx * p.x() / p.z() + camera_.cx, v = camera_.fy * p.y() / p.z() + camera_.cy;
@@ -62,12 +67,11 @@ void LandmarkSearch::match_local(Map& map, const LocalMap& local_map, const Fram
     MatchCandidate c;
     c.u_px = static_cast<float>(u);
     c.v_px = static_cast<float>(v);
-    c.radius_px = kLocalRadiusPx * widening * (local.remote ? kRemoteWidening : 1.0F) *
-                  map.level_scale(std::clamp(level, 0, num_levels_ - 1));
+    c.radius_px = kLocalRadiusPx * widening * map.level_scale(std::clamp(level, 0, num_levels_ - 1));
     c.min_level = static_cast<std::int8_t>(level - 1);
     c.max_level = static_cast<std::int8_t>(level + 1);
     c.descriptor = &point.descriptor;
-    c.tag = local.slot;
+    c.tag = slot;
     matcher.match(frame, c, kMaxDistance, kNearestRatio);
   }
 }

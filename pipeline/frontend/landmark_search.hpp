@@ -18,9 +18,12 @@ class LandmarkSearch {
   // All the last frame saw, within radius_px of where T_camera_world puts it.
   void match_last(const Map& map, const Frame& last, const Frame& frame, const Rigid3& T_camera_world, float radius_px,
                   Matcher& matcher) const;
-  // The local map's landmarks; counts them as visible. widening multiplies the search radius.
-  void match_local(Map& map, const LocalMap& local_map, const Frame& frame, const Rigid3& T_camera_world,
+  // Landmarks of the local map; counts them as visible. widening multiplies the search radius.
+  void match_local(Map& map, std::span<const std::int32_t> landmarks, const Frame& frame, const Rigid3& T_camera_world,
                    float widening, Matcher& matcher) const;
+  // More of them, on features that show none yet.
+  void match_more(Map& map, std::span<const std::int32_t> landmarks, const Frame& frame, const Rigid3& T_camera_world,
+                  float widening, Matcher& matcher) const;
 
  private:
   PinholeCamera camera_;

@@ -11,12 +11,13 @@ namespace {
 // How well tracking knows the way between two keyframes that share landmarks, one standard deviation: a base, and a
 // share of the way. Drift is what these add up to, and it adds up: errors of neighbours are alike (a focal length that
 // is off bends every turn the same way), so the shares are those of a bad day, that a loop that was verified can bend
-// the way and not the other way round.
-constexpr double kBaseM = 0.01, kBaseRad = 0.005, kShareOfWay = 0.05;
+// the way and not the other way round. Heading is hardly lost where nothing turns: straight ways that could be bent at
+// each keyframe would take up what the turns made, and swing out.
+constexpr double kBaseM = 0.01, kBaseRad = 0.0005, kShareOfWay = 0.05;
 constexpr double kWellShared = 50.0;  // landmarks
 constexpr int kEdgesPerKeyframe = 4;
 // Of a place recognised, by its fitting landmarks.
-constexpr double kLoopM = 0.02, kLoopRad = 0.01;
+constexpr double kLoopM = 0.02, kLoopRad = 0.004;
 // Between parts of the map that share nothing any more.
 constexpr double kLooseM = 0.1, kLooseRad = 0.05;
 

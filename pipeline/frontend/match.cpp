@@ -40,6 +40,12 @@ int Matcher::match(const Frame& frame, const MatchCandidate& c, int max_distance
   return best;
 }
 
+void Matcher::hold() {
+  for (std::size_t k = 0; k < tag_.size(); ++k) {
+    if (tag_[k] != kNone) distance_[k] = -1;
+  }
+}
+
 void Matcher::release(int feature) {
   const std::size_t k = static_cast<std::size_t>(feature);
   if (tag_[k] == kNone) return;

@@ -32,6 +32,7 @@ class Matcher {
   // Returns the feature, or -1.
   int match(const Frame& frame, const MatchCandidate& candidate, int max_distance, double ratio);
   void release(int feature);
+  void hold();  // what is matched by now stays, however close others look
 
   std::int32_t tag_of(int feature) const { return tag_[static_cast<std::size_t>(feature)]; }
   int count() const { return count_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace povslam {
 
@@ -29,29 +30,40 @@ Relocaliser::Relocaliser(const PinholeCamera& camera, const FrontendOptions& opt
   twins_.resize(static_cast<std::size_t>(options.map.max_keyframes));
 }
 
+struct Relocaliser::Fits {
+  std::array<PlaceFit, 2 * kMaxPlaces + 1> of;
+  std::size_t count = 0;
+  Answer best;  // as far as a single place tells
+};
+
 Relocaliser::Answer Relocaliser::search(const Map& map, PlaceIndex& index, const Frame& frame) {
   const FeatureView view(frame);
   words_.resize(view.size());
   index.vocabulary().words(view.descriptor, words_);
   index.query(words_);
-  Answer best;
-  std::array<PlaceFit, kMaxPlaces> fits;
-  std::size_t num_fits = 0;
-  while (best.places_tried < kMaxPlaces) {
-    const auto likely = index.next();
-    if (!likely) break;
-    const PlaceAround place(map, likely->keyframe);
+  Fits fits;
+  Likeliest likeliest;
+  likeliest.fill(kNone);
+  const std::int32_t known = map.find_keyframe(std::exchange(favourite_, -1));
+  if (known != kNone) {
+    const PlaceAround place(map, known);
     for (const std::int32_t near : place.keyframes()) index.leave_out(near);
-    ++best.places_tried;
-    const auto fit = verifier_.verify(map, place.keyframes(), view);
-    if (!fit) continue;
-    fits[num_fits++] = *fit;
-    if (best.keyframe != kNone && fit->num_inliers <= best.fit.num_inliers) continue;
-    best.keyframe = likely->keyframe;
-    best.fit = *fit;
+    verify(map, known, view, fits);
   }
-  if (best.keyframe == kNone || !believable(best.fit)) return best;
-  const bool rivalled = std::any_of(fits.begin(), fits.begin() + num_fits, [&best](const PlaceFit& other) {
+  const bool more = verify_page(map, index, view, fits, likeliest);
+  if (fits.best.keyframe == kNone || !believable(fits.best.fit)) {
+    page_ = more ? (page_ + 1) % kPages : 0;
+    return fits.best;
+  }
+  // What looks more alike did not fit frames before; whether it fits this one as well is asked all the same.
+  for (const std::int32_t slot : likeliest) {
+    if (page_ > 0 && slot != kNone) verify(map, slot, view, fits);
+  }
+  page_ = 0;
+  if (!believable(fits.best.fit)) return fits.best;
+  favourite_ = map.keyframe(fits.best.keyframe).id;
+  Answer best = fits.best;
+  const bool rivalled = std::any_of(fits.of.begin(), fits.of.begin() + fits.count, [&best](const PlaceFit& other) {
     return other.num_inliers > kNearlyAsGood * best.fit.num_inliers &&
            !same_pose(other.T_camera_world, best.fit.T_camera_world);
   });
@@ -61,11 +73,37 @@ Relocaliser::Answer Relocaliser::search(const Map& map, PlaceIndex& index, const
   return best;
 }
 
-// Some keyframes a call; true once all of the place were looked at. What is known stays known.
+// Verifies the places of this page; false: there are none after them.
+bool Relocaliser::verify_page(const Map& map, PlaceIndex& index, const FeatureView& view, Fits& fits,
+                              Likeliest& likeliest) {
+  const int first = page_ * kMaxPlaces;
+  for (int rank = 0; rank < first + kMaxPlaces; ++rank) {
+    const auto likely = index.next();
+    if (!likely) return false;
+    const PlaceAround place(map, likely->keyframe);
+    for (const std::int32_t near : place.keyframes()) index.leave_out(near);
+    if (rank < kMaxPlaces) likeliest[static_cast<std::size_t>(rank)] = likely->keyframe;
+    if (rank >= first) verify(map, likely->keyframe, view, fits);
+  }
+  return true;
+}
+
+void Relocaliser::verify(const Map& map, std::int32_t keyframe, const FeatureView& view, Fits& fits) {
+  ++fits.best.places_tried;
+  const auto fit = verifier_.verify(map, PlaceAround(map, keyframe).keyframes(), view);
+  if (!fit) return;
+  fits.of[fits.count++] = *fit;
+  if (fits.best.keyframe != kNone && fit->num_inliers <= fits.best.fit.num_inliers) return;
+  fits.best.keyframe = keyframe;
+  fits.best.fit = *fit;
+}
+
+// Some keyframes a call; true once all of the place were looked at. What is known stays known until the map grows.
 bool Relocaliser::know_twins(const Map& map, PlaceIndex& index, const PlaceAround& place) {
   int looked = 0;
   for (const std::int32_t slot : place.keyframes()) {
-    if (twins_[static_cast<std::size_t>(slot)].of == map.keyframe(slot).id) continue;
+    const Twin& twin = twins_[static_cast<std::size_t>(slot)];
+    if (twin.of == map.keyframe(slot).id && twin.among == map.next_keyframe_id()) continue;
     if (looked++ == kTwinsPerCall) return false;
     look_for_twin(map, index, slot);
   }
@@ -75,7 +113,7 @@ bool Relocaliser::know_twins(const Map& map, PlaceIndex& index, const PlaceAroun
 void Relocaliser::look_for_twin(const Map& map, PlaceIndex& index, std::int32_t slot) {
   const Keyframe& kf = map.keyframe(slot);
   Twin& twin = twins_[static_cast<std::size_t>(slot)];
-  twin = {kf.id, -1, {}};
+  twin = {kf.id, map.next_keyframe_id(), -1, {}};
   index.query(kf.word);
   const PlaceAround here(map, slot);
   for (const std::int32_t near : here.keyframes()) index.leave_out(near);

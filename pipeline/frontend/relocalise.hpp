@@ -9,6 +9,7 @@
 // index holds the words of the map's keyframes: PlaceIndex::add(slot, words) as one comes, remove(slot) as one goes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -47,9 +48,12 @@ class Relocaliser {
     int places_tried = 0;
     bool twins_known = false;  // the best place was asked whether the map holds one that looks the same
   };
-  // Bounded work: a query of the index and at most kMaxPlaces verifications (see PlaceVerifier).
+  // Bounded work: a query of the index and at most kMaxPlaces verifications (see PlaceVerifier), about twice that when
+  // one fits. While none does, the next frame is searched for in the places that come next by their looks, and so on;
+  // once one does, it is asked first.
   Answer search(const Map& map, PlaceIndex& index, const Frame& frame);
   static constexpr int kMaxPlaces = 5;
+  void start_over() { page_ = 0, favourite_ = -1; }  // with the likeliest places
 
   struct Found {
     Rigid3 T_camera_world;
@@ -60,10 +64,16 @@ class Relocaliser {
 
  private:
   struct Twin {                  // by keyframe slot
-    std::int64_t of = -1;        // keyframe id it was looked for
+    std::int64_t of = -1;        // keyframe id it was looked for…
+    std::int64_t among = -1;     // …among keyframes with ids below this one
     std::int64_t keyframe = -1;  // id of one elsewhere that looks the same; -1: none
     Rigid3 T_twin_world;         // carries a pose here to where it would be there
   };
+  static constexpr int kPages = 4;
+  struct Fits;
+  using Likeliest = std::array<std::int32_t, kMaxPlaces>;
+  bool verify_page(const Map& map, PlaceIndex& index, const FeatureView& view, Fits& fits, Likeliest& likeliest);
+  void verify(const Map& map, std::int32_t keyframe, const FeatureView& view, Fits& fits);
   bool know_twins(const Map& map, PlaceIndex& index, const PlaceAround& place);
   void look_for_twin(const Map& map, PlaceIndex& index, std::int32_t keyframe);
   bool may_be_twin(const Map& map, const PlaceAround& place, const FeatureView& view, const PlaceFit& fit);
@@ -71,6 +81,8 @@ class Relocaliser {
   PlaceVerifier verifier_;
   std::vector<std::uint32_t> words_;
   std::vector<Twin> twins_;
+  int page_ = 0;                 // of kMaxPlaces places each
+  std::int64_t favourite_ = -1;  // keyframe id of the last answer
 };
 
 // Asks for the same answer from successive frames before it is believed.

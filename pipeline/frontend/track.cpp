@@ -15,6 +15,8 @@ constexpr double kMinFitting = 0.4;      // …and their share of those matched
 constexpr double kMinAgreement = 0.5;    // of thumbnails before the turn they tell is believed
 constexpr int kMinToRelocalise = 40;     // fitting landmarks before a found place is believed
 constexpr float kWide = 4.0F;            // widening of the local search around a found place
+constexpr int kMinJoined = 40;           // fitting landmarks that say alone where the camera is
+constexpr float kRemoteWidening = 2.0F;  // else: of the search for what an older visit left
 constexpr double kUnseenSpeedMps = 1.0;  // how fast the pose may leave us while nothing is seen
 constexpr double kUnseenTurnRadps = 1.0;
 // No robot, nor a hand, moves faster between the last pose and this one; what would have to is somewhere else.
@@ -197,15 +199,12 @@ bool Tracker::track_local_map(const Rigid3& T_camera_world, float widening) {
   frame_.T_camera_world = T_camera_world;
   compensate_shutter();
   local_map_.collect(map_, frame_, T_camera_world.inverse());
-  search_.match_local(map_, local_map_, frame_, T_camera_world, widening, matcher_);
-  observe_matches();
-  PoseSolverOptions solver;
-  solver.first_gate = widening > 1.0F ? 9.0 : 2.0;
-  PoseSolution solution = solve_pose(camera_, T_camera_world, observations_, solver);
+  PoseSolution solution = match_local_map(T_camera_world, widening, widening > 1.0F ? 9.0 : 2.0);
   if (solution.converged && refine_matches(solution) > 0) {
     frame_.T_camera_world = solution.T_camera_world;
     compensate_shutter();
     observe_matches();
+    PoseSolverOptions solver;
     solver.first_gate = 2.0;
     solution = solve_pose(camera_, solution.T_camera_world, observations_, solver);
   }
@@ -218,6 +217,24 @@ bool Tracker::track_local_map(const Rigid3& T_camera_world, float widening) {
   learn_noise(solution);
   accept(solution);
   return true;
+}
+
+// An older visit's landmarks lie off by the drift since. Were all matched alike, both copies of the place would pull,
+// and what most of them fit may be a pose of neither. So what hangs together with the last frames says where the camera
+// is, if there is enough of it; of the rest that joins which agrees.
+PoseSolution Tracker::match_local_map(const Rigid3& T_camera_world, float widening, double gate) {
+  PoseSolverOptions solver;
+  solver.first_gate = gate;
+  search_.match_local(map_, local_map_.joined(), frame_, T_camera_world, widening, matcher_);
+  observe_matches();
+  PoseSolution solution = solve_pose(camera_, T_camera_world, observations_, solver);
+  if (local_map_.remote().empty()) return solution;
+  const bool enough = solution.converged && solution.num_inliers >= kMinJoined;
+  const Rigid3 T_known = enough ? solution.T_camera_world : T_camera_world;
+  search_.match_more(map_, local_map_.remote(), frame_, T_known, enough ? 1.0F : kRemoteWidening * widening, matcher_);
+  observe_matches();
+  solver.first_gate = enough ? 1.0 : gate;
+  return solve_pose(camera_, T_known, observations_, solver);
 }
 
 // Turns the matcher's pairs into observations for the pose.
@@ -318,6 +335,7 @@ bool Tracker::relocalise() {
     return false;
   }
   agreement_.forget();
+  relocaliser_.start_over();
   start_tries_ = 0;
   return true;
 }

@@ -67,6 +67,7 @@ class Tracker {
   bool track_from_last();
   int match_last(const Rigid3& T_camera_world, float radius_px);
   bool track_local_map(const Rigid3& T_camera_world, float widening);
+  PoseSolution match_local_map(const Rigid3& T_camera_world, float widening, double gate);
   void observe_matches();
   int refine_matches(const PoseSolution& solution);
   void take_landmarks();

@@ -27,8 +27,8 @@ constexpr int kMinCells = 6;
 constexpr double kMinThinnest = 0.03;
 constexpr double kRivalShare = 0.2;  // of the inliers; where nothing repeats and nothing moved it is 0
 constexpr double kSameM = 0.3, kSameRad = 5.0 * 3.14159265358979 / 180.0;
-constexpr int kColumns = 8, kRows = 6;
-constexpr int kManyInCell = 8;
+constexpr int kManyInCell = 8;  // landmarks expected
+constexpr int kFewInCell = 4;   // features: with fewer the view shows nothing there that would tell
 }  // namespace
 
 bool same_pose(const Rigid3& a, const Rigid3& b) {
@@ -193,15 +193,17 @@ void PlaceVerifier::count(const Map& map, const FeatureView& view, PlaceFit& fit
   }
   fit.num_inliers = static_cast<int>(pairs_.size());
   expect(map, fit.T_camera_world);
-  std::array<int, kColumns * kRows> expected_in{}, found_in{};
+  const Cells features_in = count_features(view);
+  Cells expected_in{}, found_in{};
   for (const Expected& expected : expected_) {
     const bool is_found = marked_[static_cast<std::size_t>(expected.landmark)] == found;
     const Surface surface = is_found ? Surface::there : surface_at(view, expected);
-    if (surface == Surface::hidden) continue;
+    const std::size_t cell = cell_of(expected.u_px, expected.v_px);
+    const bool blank = features_in[cell] < kFewInCell && !is_found && surface == Surface::there;
+    if (surface == Surface::hidden || blank) continue;
     ++fit.num_possible;
     if (!is_found && !expected.sure) continue;
     ++fit.num_expected;
-    const std::size_t cell = cell_of(expected.u_px, expected.v_px);
     ++expected_in[cell];
     found_in[cell] += is_found ? 1 : 0;
     fit.num_contradicted += surface == Surface::seen_through ? 1 : 0;
@@ -211,6 +213,14 @@ void PlaceVerifier::count(const Map& map, const FeatureView& view, PlaceFit& fit
     ++fit.num_expected_cells;
     if (found_in[cell] == 0) ++fit.num_missed_cells;
   }
+}
+
+PlaceVerifier::Cells PlaceVerifier::count_features(const FeatureView& view) const {
+  Cells count{};
+  for (std::size_t f = 0; f < view.size(); ++f) {
+    if (camera_.contains({view.x[f], view.y[f]})) ++count[cell_of(view.x[f], view.y[f])];
+  }
+  return count;
 }
 
 // What the depth of the features around tells.

@@ -6,6 +6,7 @@
 // Bounded work (about 3 ms), no allocation after construction; the same input gives the same answer.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,13 +23,13 @@ namespace povslam {
 inline constexpr std::size_t kMaxPlaceKeyframes = 12;
 
 struct PlaceFit {
-  Rigid3 T_camera_world;       // of the view, in the world as this place knows it
-  int num_pairs = 0;           // looks that resemble, before any geometry
-  int num_inliers = 0;         // landmarks found where the pose puts them, in pixels and depth
-  int num_expected = 0;        // that it should have seen, found or not; those hidden by something nearer left out…
-  int num_possible = 0;        // …and with those that it might have, from far aside
-  int num_contradicted = 0;    // of these, seen through
-  int num_cells = 0;           // of 8 x 6 over the image that hold inliers
+  Rigid3 T_camera_world;     // of the view, in the world as this place knows it
+  int num_pairs = 0;         // looks that resemble, before any geometry
+  int num_inliers = 0;       // landmarks found where the pose puts them, in pixels and depth
+  int num_expected = 0;      // that it should have seen, found or not; not those hidden, nor where the view is blank…
+  int num_possible = 0;      // …and with those that it might have, from far aside
+  int num_contradicted = 0;  // of these, seen through
+  int num_cells = 0;         // of 8 x 6 over the image that hold inliers
   int num_expected_cells = 0;  // that should: several landmarks are expected there…
   int num_missed_cells = 0;    // …and of these, that hold none
   double thinnest = 0.0;       // standard deviation of the inliers along their short axis, in widths of the image
@@ -73,6 +74,9 @@ class PlaceVerifier {
   void count(const Map& map, const FeatureView& view, PlaceFit& fit);
   enum class Surface { there, hidden, seen_through };
   Surface surface_at(const FeatureView& view, const Expected& expected) const;
+  static constexpr int kColumns = 8, kRows = 6;
+  using Cells = std::array<int, kColumns * kRows>;
+  Cells count_features(const FeatureView& view) const;
   std::size_t cell_of(float x_px, float y_px) const;
   void describe_spread(const FeatureView& view, PlaceFit& fit) const;
   PoseObservation observe(const Map& map, const FeatureView& view, std::size_t feature, std::int32_t landmark) const;

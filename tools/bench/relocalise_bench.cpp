@@ -63,6 +63,7 @@ class Mapped {
   Relocaliser::Answer ask(const RgbdFrame& image) {
     builder_.build(image, 1.0, frame_);
     const TimeNs begun = thread_cpu_now();
+    relocaliser_.start_over();  // each frame by itself
     const auto answer = relocaliser_.search(tracker_.map(), index_, frame_);
     ms_.push_back(to_ms(thread_cpu_now() - begun));
     return answer;

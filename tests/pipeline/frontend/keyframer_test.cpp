@@ -181,6 +181,18 @@ TEST(Keyframer, LearnsNothingOnAVisitThatFindsWhatIsKnown) {
   EXPECT_TRUE(story.wanted(all / 5));   // …unless something is different now
 }
 
+// Drift has put a copy of the place beside itself: as much is found here, but nothing of the earlier visit.
+TEST(Keyframer, LearnsOnBesideAnEarlierVisitThatIsNotJoined) {
+  Story story;
+  story.keep();
+  const int all = story.map.num_landmarks();
+  story.move(0.1);
+  story.frame.index = 20L * story.options.map.keyframe_max_frames;
+  ASSERT_FALSE(story.wanted(all));
+  story.see_again(0, 5);  // a fifth of it is the earlier visit's: chance
+  EXPECT_TRUE(story.wanted(all));
+}
+
 TEST(Keyframer, KeepsNoMoreThanAFewKeyframesOfOneView) {
   Story story;
   story.keep();

@@ -35,7 +35,7 @@ struct Room {
   }
   void match_local(const made::View& now, const Rigid3& T_world_camera, float widening) {
     local_map.collect(map, last.frame, T_world_last);
-    search.match_local(map, local_map, now.frame, T_world_camera.inverse(), widening, matcher);
+    search.match_local(map, local_map.landmarks(), now.frame, T_world_camera.inverse(), widening, matcher);
   }
   // Matches, all checked to be right: what a feature shows is what its landmark was made of.
   int right_matches(const made::View& now) const {
@@ -147,6 +147,31 @@ TEST(LandmarkSearch, DoesNotLookForSurfacesFromBehind) {
   const made::View now = room.view(room.T_world_now);
   room.match_local(now, room.T_world_now, 1.0F);
   EXPECT_EQ(room.matcher.count(), 0);
+}
+
+TEST(LandmarkSearch, LeavesFeaturesToTheLandmarksThatCameFirst) {
+  Room room;
+  const made::View now = room.view(room.T_world_now);
+  room.local_map.collect(room.map, room.last.frame, room.T_world_last);
+  const auto all = room.local_map.landmarks();
+  const auto first = all.first(all.size() / 2), more = all.subspan(first.size());
+  // The others are copies of the first, whose own looks have faded a little.
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    Landmark &own = room.map.landmark(first[i]), &copy = room.map.landmark(more[i]);
+    copy.p_world = own.p_world;
+    copy.descriptor = own.descriptor;
+    own.descriptor[0] ^= 0xFF;
+  }
+  room.search.match_local(room.map, first, now.frame, room.T_world_now.inverse(), 1.0F, room.matcher);
+  const int matched = room.matcher.count();
+  std::vector<std::int32_t> tags;
+  for (int i = 0; i < now.frame.size(); ++i) tags.push_back(room.matcher.tag_of(i));
+  room.search.match_more(room.map, more, now.frame, room.T_world_now.inverse(), 1.0F, room.matcher);
+  EXPECT_GT(matched, 20);
+  for (int i = 0; i < now.frame.size(); ++i) {
+    const std::int32_t tag = tags[static_cast<std::size_t>(i)];
+    EXPECT_TRUE(tag == kNone || room.matcher.tag_of(i) == tag) << i;
+  }
 }
 
 }  // namespace povslam

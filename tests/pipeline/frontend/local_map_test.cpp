@@ -58,7 +58,7 @@ TEST(LocalMap, BeginsWithTheKeyframeThatSharesMost) {
   EXPECT_EQ(street.local_map.reference(), 3);
   for (const std::int32_t k : {2, 3, 4, 5, 6, 7}) EXPECT_TRUE(street.holds(k)) << k;  // sharing, and their neighbours
   for (const std::int32_t k : {0, 9, 10, 11}) EXPECT_FALSE(street.holds(k)) << k;
-  for (const LocalLandmark& local : street.local_map.landmarks()) EXPECT_FALSE(local.remote);
+  EXPECT_TRUE(street.local_map.remote().empty());
 }
 
 TEST(LocalMap, ContainsEveryLandmarkOfItsKeyframesOnce) {
@@ -70,7 +70,7 @@ TEST(LocalMap, ContainsEveryLandmarkOfItsKeyframesOnce) {
     EXPECT_EQ(street.map.keyframe(k).mark, street.map.keyframe(street.local_map.reference()).mark);
     std::ranges::copy_if(street.map.keyframe(k).landmark, std::back_inserter(expected), [](auto l) { return l >= 0; });
   }
-  for (const LocalLandmark& local : street.local_map.landmarks()) collected.push_back(local.slot);
+  std::ranges::copy(street.local_map.landmarks(), std::back_inserter(collected));
   std::ranges::sort(expected);
   expected.erase(std::ranges::unique(expected).begin(), expected.end());
   std::ranges::sort(collected);
@@ -84,11 +84,28 @@ TEST(LocalMap, AddsWhatStandsNearAndLooksTheSameWay) {
   EXPECT_EQ(street.local_map.reference(), 5);
   for (const std::int32_t k : {4, 5, 6, 7}) EXPECT_TRUE(street.holds(k)) << k;
   for (const std::int32_t k : {0, 1, 2, 8, 11}) EXPECT_FALSE(street.holds(k)) << k;
-  for (const LocalLandmark& local : street.local_map.landmarks()) EXPECT_TRUE(local.remote);
+  EXPECT_TRUE(street.local_map.joined().empty());
   const Rigid3 back = made::looking_along_y({10.5, 0, 0}) * Rigid3{so3_exp({0, 3.14, 0}), Eigen::Vector3d::Zero()};
   street.local_map.collect(street.map, street.frame, back);
   EXPECT_EQ(street.local_map.reference(), kNone);
   EXPECT_TRUE(street.local_map.landmarks().empty());
+}
+
+TEST(LocalMap, TellsWhatHangsTogetherWithTheFrameFromWhatSharesAFewLandmarks) {
+  Street street(40);
+  street.see(9, 32);
+  for (int f = 32; f < 38; ++f) {  // by chance six of an older visit's fit
+    street.frame.landmark[static_cast<std::size_t>(f)] = street.map.keyframe(2).landmark[static_cast<std::size_t>(f)];
+  }
+  street.local_map.collect(street.map, street.frame, made::looking_along_y({100.0, 0, 0}));
+  EXPECT_EQ(street.local_map.reference(), 9);
+  EXPECT_TRUE(street.holds(2));
+  const auto belongs = [&](std::span<const std::int32_t> landmarks, std::int32_t keyframe) {
+    return std::ranges::count(landmarks, street.map.keyframe(keyframe).landmark[25]) == 1;
+  };
+  EXPECT_TRUE(belongs(street.local_map.joined(), 9));
+  EXPECT_TRUE(belongs(street.local_map.joined(), 8)) << "a neighbour";
+  EXPECT_TRUE(belongs(street.local_map.remote(), 2));
 }
 
 TEST(LocalMap, StaysBoundedAndAllocatesNothing) {

@@ -3,67 +3,13 @@
 
 #include <limits>
 
-#include "pipeline/frontend/relocalise.hpp"
-#include "tests/pipeline/frontend/made_frame.hpp"
-#include "tests/pipeline/frontend/simulated_view.hpp"
 #include "tests/support/alloc_counter.hpp"
+#include "tests/support/made_places.hpp"
 
 namespace povslam {
 namespace {
 
 using Verdict = Relocaliser::Verdict;
-
-std::vector<std::uint32_t> words_of(std::span<const Descriptor> looks) {
-  std::vector<std::uint32_t> words(looks.size());
-  Vocabulary::shipped().words(looks, words);
-  return words;
-}
-
-// Points that keyframes see from several places; looks are given, so that two places can have the same.
-struct MadeMap {
-  MadeMap()
-      : camera(made::half_camera()),
-        options(small_frontend()),
-        map(options.orb.num_features, options.map, made::level_scales()),
-        index(Vocabulary::shipped(), options.map.max_keyframes, options.orb.num_features),
-        relocaliser(camera, options) {}
-
-  // Three keyframes side by side that see the points.
-  void add_place(std::span<const Eigen::Vector3d> points, std::span<const Descriptor> looks,
-                 const Eigen::Vector3d& place) {
-    std::vector<std::int32_t> landmark_of(points.size(), kNone);
-    for (const double side : {-0.2, 0.0, 0.2}) {
-      const made::View view = look(points, looks, made::looking_along_y(place + Eigen::Vector3d(side, 0.0, 0.0)));
-      const std::int32_t slot = map.insert_keyframe(view.frame, view.frame.T_camera_world.inverse(), {}, -1);
-      for (std::size_t f = 0; f < view.shown.size(); ++f) {
-        const std::size_t point = static_cast<std::size_t>(view.shown[f]);
-        if (landmark_of[point] == kNone) {
-          landmark_of[point] = map.create_landmark(slot, static_cast<int>(f), points[point]);
-        } else if (map.add_sighting(landmark_of[point], slot, static_cast<int>(f))) {
-          map.refresh_landmark(landmark_of[point]);
-        }
-      }
-      map.update_covisibility(slot);
-      index.add(slot, words_of(map.keyframe(slot).descriptor));
-    }
-  }
-  made::View look(std::span<const Eigen::Vector3d> points, std::span<const Descriptor> looks,
-                  const Rigid3& T_world_camera) const {
-    return made::view_of(camera, options, T_world_camera, points, looks);
-  }
-  Relocaliser::Answer ask(const Frame& frame) { return relocaliser.search(map, index, frame); }
-
-  PinholeCamera camera;
-  FrontendOptions options;
-  Map map;
-  PlaceIndex index;
-  Relocaliser relocaliser;
-};
-
-std::vector<Eigen::Vector3d> moved(std::vector<Eigen::Vector3d> points, const Eigen::Vector3d& by) {
-  for (Eigen::Vector3d& p : points) p += by;
-  return points;
-}
 
 const Eigen::Vector3d kHere(0.0, 0.0, 0.0), kThere(20.0, 0.0, 0.0);
 const Rigid3 kBetween = made::looking_along_y({0.1, 0.1, 0.05});
@@ -72,7 +18,7 @@ constexpr std::size_t kPoints = 400;
 }  // namespace
 
 TEST(VerifyPlace, FindsAMadePlaceAndSaysWhichFeaturesShowWhat) {
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   made.add_place(points, looks, kHere);
@@ -91,11 +37,11 @@ TEST(VerifyPlace, FindsAMadePlaceAndSaysWhichFeaturesShowWhat) {
 }
 
 TEST(VerifyPlace, SeesAKeyframeAsItSeesAFrame) {
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   made.add_place(points, looks, kHere);
-  made.add_place(moved(points, {0.0, 0.0, 0.6}), looks, {0.0, 0.0, 0.6});  // come again, with drift
+  made.add_place(made::moved(points, {0.0, 0.0, 0.6}), looks, {0.0, 0.0, 0.6});  // come again, with drift
   PlaceVerifier verifier(made.camera, made.options);
   const auto fit = verifier.verify(made.map, PlaceAround(made.map, 0).keyframes(), FeatureView(made.map.keyframe(4)));
   ASSERT_TRUE(fit && believable(*fit));
@@ -103,20 +49,20 @@ TEST(VerifyPlace, SeesAKeyframeAsItSeesAFrame) {
 }
 
 TEST(VerifyPlace, StaysInDoubtBetweenTwoPlacesThatLookTheSame) {
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   made.add_place(points, looks, kHere);
-  made.add_place(moved(points, kThere), looks, kThere);
+  made.add_place(made::moved(points, kThere), looks, kThere);
   EXPECT_EQ(made.ask(made.look(points, looks, kBetween).frame).verdict, Verdict::ambiguous);
 }
 
 TEST(VerifyPlace, StaysInDoubtBetweenTwoShelvesWithTheSameThings) {
   constexpr std::size_t kFew = 250;  // twice that fits into a keyframe
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kFew, 1);
   const auto looks = made::looks(kFew, 2);
-  auto both = moved(points, {0.0, 0.0, 0.5});
+  auto both = made::moved(points, {0.0, 0.0, 0.5});
   both.insert(both.end(), points.begin(), points.end());
   auto both_looks = looks;
   both_looks.insert(both_looks.end(), looks.begin(), looks.end());
@@ -125,13 +71,13 @@ TEST(VerifyPlace, StaysInDoubtBetweenTwoShelvesWithTheSameThings) {
 }
 
 TEST(VerifyPlace, TellsSimilarPlacesApartByWhatIsTheirOwn) {
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   auto others = made::looks(kPoints, 3);
   std::copy_n(looks.begin(), kPoints / 4, others.begin());  // a quarter is the same
   made.add_place(points, looks, kHere);
-  made.add_place(moved(points, kThere), others, kThere);
+  made.add_place(made::moved(points, kThere), others, kThere);
   const made::View view = made.look(points, looks, kBetween);
   const auto answer = made.ask(view.frame);
   ASSERT_EQ(answer.verdict, Verdict::found);
@@ -140,7 +86,7 @@ TEST(VerifyPlace, TellsSimilarPlacesApartByWhatIsTheirOwn) {
 
 // The same rack stands elsewhere too, where nobody mapped: half of the view is it, the rest is something else.
 TEST(VerifyPlace, MissesWhatShouldBeBesideAKnownThing) {
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   made.add_place(points, looks, kHere);
@@ -151,8 +97,27 @@ TEST(VerifyPlace, MissesWhatShouldBeBesideAKnownThing) {
   EXPECT_NE(made.ask(made.look(points, seen, kBetween).frame).verdict, Verdict::found);
 }
 
+// A bare board stands close before half of the lens: nothing there says that this is elsewhere.
+TEST(VerifyPlace, MissesNothingWhereTheViewIsBlank) {
+  made::Places made;
+  const auto points = made::cloud(kPoints, 1);
+  const auto looks = made::looks(kPoints, 2);
+  made.add_place(points, looks, kHere);
+  std::vector<Eigen::Vector3d> seen;
+  std::vector<Descriptor> seen_looks;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    if (points[i].x() > -0.25 * points[i].y()) continue;
+    seen.push_back(points[i]);
+    seen_looks.push_back(looks[i]);
+  }
+  const made::View view = made.look(seen, seen_looks, kBetween);
+  const auto answer = made.ask(view.frame);
+  ASSERT_EQ(answer.verdict, Verdict::found);
+  EXPECT_TRUE(same_pose(answer.fit.T_camera_world, view.frame.T_camera_world));
+}
+
 TEST(VerifyPlace, IsContradictedBySurfacesThatAreNotThere) {
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   made.add_place(points, looks, kHere);
@@ -169,11 +134,31 @@ TEST(VerifyPlace, IsContradictedBySurfacesThatAreNotThere) {
   EXPECT_LT(after->num_inliers, 0.75 * before->num_inliers);
 }
 
+// Eight places hold the same things in other order: they look more alike than the one where some of them stand right.
+TEST(VerifyPlace, ComesToThePlaceWhoseLooksAreNotTheLikeliest) {
+  made::Places made;
+  const auto points = made::cloud(kPoints, 1);
+  const auto looks = made::looks(kPoints, 2);
+  for (unsigned p = 1; p <= 8; ++p) {
+    const Eigen::Vector3d place(20.0 * p, 0.0, 0.0);
+    made.add_place(made::moved(made::cloud(kPoints, 10 + p), place), looks, place);
+  }
+  made.add_place(std::span(points).first(kPoints / 2), std::span(looks).first(kPoints / 2), kHere);
+  const made::View view = made.look(points, looks, kBetween);
+  EXPECT_EQ(made.ask(view.frame).verdict, Verdict::unknown);
+  for (int frame = 0; frame < 3; ++frame) {  // found with the next, and not lost again
+    const auto answer = made.ask(view.frame);
+    ASSERT_EQ(answer.verdict, Verdict::found) << frame;
+    EXPECT_TRUE(same_pose(answer.fit.T_camera_world, view.frame.T_camera_world));
+    EXPECT_LE(answer.places_tried, 2 * Relocaliser::kMaxPlaces);
+  }
+}
+
 TEST(VerifyPlace, NeverTakesNoiseForAPlace) {
-  MadeMap made;
+  made::Places made;
   for (unsigned p = 0; p < 8; ++p) {
     const Eigen::Vector3d place(20.0 * p, 0.0, 0.0);
-    made.add_place(moved(made::cloud(kPoints, p), place), made::looks(kPoints, 100 + p), place);
+    made.add_place(made::moved(made::cloud(kPoints, p), place), made::looks(kPoints, 100 + p), place);
   }
   for (unsigned q = 0; q < 200; ++q) {
     const Frame frame = made::random_frame(made.camera, made.options, 400, 1000 + q);
@@ -182,21 +167,21 @@ TEST(VerifyPlace, NeverTakesNoiseForAPlace) {
 }
 
 TEST(VerifyPlace, BearsViewsThatDetermineNothing) {
-  MadeMap made;
+  made::Places made;
   const auto looks = made::looks(kPoints, 2);
   EXPECT_EQ(made.ask(made::random_frame(made.camera, made.options, 300, 1)).verdict, Verdict::unknown) << "no map";
   std::vector<Eigen::Vector3d> line, spot(kPoints, {0.1, 3.0, 0.1});
   for (std::size_t i = 0; i < kPoints; ++i) line.emplace_back(-1.0 + 2.0 * static_cast<double>(i) / kPoints, 3.0, 0.2);
   made.add_place(line, looks, kHere);
   EXPECT_NE(made.ask(made.look(line, looks, kBetween).frame).verdict, Verdict::found) << "all on one line";
-  made.add_place(moved(spot, kThere), made::looks(kPoints, 3), kThere);
-  const auto at_spot = made.look(moved(spot, kThere), made::looks(kPoints, 3), made::looking_along_y(kThere));
+  made.add_place(made::moved(spot, kThere), made::looks(kPoints, 3), kThere);
+  const auto at_spot = made.look(made::moved(spot, kThere), made::looks(kPoints, 3), made::looking_along_y(kThere));
   EXPECT_NE(made.ask(at_spot.frame).verdict, Verdict::found) << "all at one place";
   EXPECT_EQ(made.ask(Frame(made.camera, made.options)).verdict, Verdict::unknown) << "no features";
 }
 
 TEST(VerifyPlace, BearsNumbersThatAreNone) {
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   made.add_place(points, looks, kHere);
@@ -214,7 +199,7 @@ TEST(VerifyPlace, BearsNumbersThatAreNone) {
 
 TEST(VerifyPlace, AllocatesNothingOnceMade) {
   if (!counting_works()) GTEST_SKIP();
-  MadeMap made;
+  made::Places made;
   const auto points = made::cloud(kPoints, 1);
   const auto looks = made::looks(kPoints, 2);
   made.add_place(points, looks, kHere);
