@@ -100,7 +100,8 @@ void Vem::count(VemIteration& out) {
 
 bool Vem::settled(int iteration, const VemResult& result) const {
   const VemIteration& last = result.iterations.back();
-  const bool early = iteration == 0 || iteration < std::max(options_.burn_in, options_.hold_belief) || least_sigma(iteration) > sheet_.smallest_sigma();
+  const bool early = iteration == 0 || iteration < std::max(options_.burn_in, options_.hold_belief) ||
+                     least_sigma(iteration) > sheet_.smallest_sigma();
   if (early || last.num_flipped > 0 || last.moved_m > options_.stop_m || last.moved_rad > options_.stop_rad)
     return false;
   const std::size_t objects = estimate_.objects.size();
