@@ -52,7 +52,8 @@ void WindowSheet::assign(const VemWindow& window, const VemOptions& options) {
   rigid_weight_.assign(blocks, Quad{});
   prior_weight_.assign(blocks, Quad{{1.0, 1.0, 1.0, 1.0}});  // of a lane without landmark
   p_camera_.assign(3 * slots, Quad{});
-  for (auto* quads : {&own_variance_, &own_bias_, &inverse_variance_, &bias_}) quads->assign(slots, Quad{});
+  for (auto* quads : {&own_variance_, &own_inverse_, &own_bias_, &inverse_variance_, &bias_})
+    quads->assign(slots, Quad{});
   place_landmarks(window);
   place_matches(window);
   least_sigma_ = std::numeric_limits<double>::infinity();
@@ -84,6 +85,7 @@ void WindowSheet::place_matches(const VemWindow& window) {
     const std::size_t at = lane_of_match(match);
     const double variance = match.sigma_m * match.sigma_m;
     lane(own_variance_, at) = variance;
+    lane(own_inverse_, at) = 1.0 / variance;
     smallest_sigma_ = std::min(smallest_sigma_, match.sigma_m);
     lane(own_bias_, at) = log_gaussian_peak(dimension_, variance) - log_uniform_;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -103,7 +105,7 @@ void WindowSheet::set_least_sigma(double sigma_m) {
     for (int i = 0; i < kVemLanes; ++i) {
       const double own = own_variance_[slot].lane[i];
       const bool raised = own < least;
-      inverse_variance_[slot].lane[i] = own == 0.0 ? 0.0 : raised ? least_inverse : 1.0 / own;
+      inverse_variance_[slot].lane[i] = own == 0.0 ? 0.0 : raised ? least_inverse : own_inverse_[slot].lane[i];
       bias_[slot].lane[i] = raised ? least_bias : own_bias_[slot].lane[i];
     }
   }
