@@ -12,8 +12,8 @@ namespace povslam::simulated {
 
 struct ObjectsOptions {
   int num_objects = 10, num_moved = 6, num_landmarks = 400, num_frames = 8;
-  int num_structure = 0;               // landmarks without object, seen by all frames
-  double share_seen = 0.9;             // of pairs of frame and landmark
+  int num_structure = 0;                  // landmarks without object, seen by all frames
+  double share_seen = 0.9;                // of pairs of frame and landmark
   double noise_m = 0.01, sigma_m = 0.05;  // of points in the camera: true, and said
   double shift_min_m = 0.5, shift_max_m = 1.5;
   double map_noise_m = 0.005;
@@ -54,8 +54,8 @@ class ObjectsMaker {
     const Rigid3 off = {so3_exp(options_.start_rad * Eigen::Vector3d::UnitZ()),
                         options_.start_m * Eigen::Vector3d(std::cos(0.7), std::sin(0.7), 0.0)};
     for (int t = 0; t < options_.num_frames; ++t) {
-      const Eigen::Quaterniond look = so3_exp(Eigen::Vector3d(0.0, 0.0, 0.04 * t)) *
-                                      Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5);  // level, along x
+      const Eigen::Quaterniond look =
+          so3_exp(Eigen::Vector3d(0.0, 0.0, 0.04 * t)) * Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5);  // level, along x
       out_.truth.push_back({look, {0.1 * t, 0.03 * t, 0.8}});
     }
     VemWindow& window = out_.window;
@@ -104,7 +104,8 @@ class ObjectsMaker {
     walls.kind = ClassKind::structure;
     walls.num_landmarks = options_.num_structure;
     for (int i = 0; i < options_.num_structure; ++i) {
-      const Eigen::Vector3d p = 6.0 * Eigen::Vector3d(std::cos(i), std::sin(i), 0.0) + Eigen::Vector3d(0, 0, uniform(0, 2));
+      const Eigen::Vector3d p =
+          6.0 * Eigen::Vector3d(std::cos(i), std::sin(i), 0.0) + Eigen::Vector3d(0, 0, uniform(0, 2));
       out_.window.landmarks.push_back({p, Eigen::Vector3d::Zero(), p});
       true_.push_back(p);
     }

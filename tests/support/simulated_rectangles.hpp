@@ -18,10 +18,10 @@ namespace povslam::simulated {
 struct RectanglesOptions {
   int num_objects = 10, num_moved = 6;
   double room_m = 12.0;
-  double noise_m = 0.02;                            // of a measured corner, per axis
-  double start_m = 0.3, start_rad = 0.14;           // the robot is spawned up to so far from where it believes to be
+  double noise_m = 0.02;                   // of a measured corner, per axis
+  double start_m = 0.3, start_rad = 0.14;  // the robot is spawned up to so far from where it believes to be
   double shift_min_m = 0.8, shift_max_m = 2.0, turn_max_rad = 0.5236;
-  bool common_shift = false;                        // all moved ones by the same vector, none turned
+  bool common_shift = false;  // all moved ones by the same vector, none turned
   unsigned seed = 1;
 };
 
@@ -118,7 +118,8 @@ class RectanglesMaker {
     scene.T_world_robot = {so3_exp({0.0, 0.0, uniform(-3.0, 3.0)}), {uniform(-2.0, 2.0), uniform(-2.0, 2.0), 0.0}};
     const double way = uniform(-std::numbers::pi, std::numbers::pi), length = uniform(0.0, options_.start_m);
     Vector6d off = Vector6d::Zero();
-    off << length * std::cos(way), length * std::sin(way), 0.0, 0.0, 0.0, uniform(-options_.start_rad, options_.start_rad);
+    off << length * std::cos(way), length * std::sin(way), 0.0, 0.0, 0.0,
+        uniform(-options_.start_rad, options_.start_rad);
     scene.T_believed = retract(scene.T_world_robot, off);
   }
 

@@ -47,7 +47,7 @@ struct VemCost {
   double matched, other;  // 1/2 sum of weighted squares of matches; of prior and rigidity
 };
 
-enum { kVemChunk = 20 };  // blocks at a time: what they need stays in the first cache
+enum { kVemChunk = 34 };  // blocks at a time: what they need stays in the first cache
 
 // Sums over an object's landmarks for its pair with each frame. `Quad`s are summed by lane only.
 struct VemMoments {

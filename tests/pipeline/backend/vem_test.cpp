@@ -23,7 +23,8 @@ TEST(Vem, TellsMovedObjectsAndFindsItsPoseThoughMostHaveMoved) {
     EXPECT_LT((result.poses[t].translation - made.truth[t].translation).norm(), 0.02);
   }
   for (const auto& it : result.iterations) {
-    printf("elbo %.3f cost %.3f moved %.5f %.5f acc %d flip %d err %.4f\n", it.elbo, it.cost, it.moved_m, it.moved_rad, it.num_accepted, it.num_flipped, (it.T_world_camera.translation-made.truth.back().translation).norm());
+    printf("elbo %.3f cost %.3f moved %.5f %.5f acc %d flip %d err %.4f\n", it.elbo, it.cost, it.moved_m, it.moved_rad,
+           it.num_accepted, it.num_flipped, (it.T_world_camera.translation - made.truth.back().translation).norm());
   }
 }
 
