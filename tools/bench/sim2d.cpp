@@ -181,9 +181,11 @@ Status draw(const std::string& folder, unsigned seed) {
   const Rectangles& scene = journey.scene();
   for (const char* ending : {".png", ".svg"}) {
     const std::string file = folder + "/sim2d_iterations", as_printed = folder + "/sim2d_iterations_as_printed";
-    Status s = draw_iterations(file + ending, scene.moved, scene.T_world_robot, Vem(shown).solve(window));
+    Status s =
+        draw_iterations(file + ending, scene.moved, scene.T_world_robot, scene.T_believed, Vem(shown).solve(window));
     if (!s) return s;
-    s = draw_iterations(as_printed + ending, scene.moved, scene.T_world_robot, Vem(printed).solve(window));
+    s = draw_iterations(as_printed + ending, scene.moved, scene.T_world_robot, scene.T_believed,
+                        Vem(printed).solve(window));
     if (!s) return s;
   }
   return Done{};

@@ -21,7 +21,7 @@ struct JourneyFrame {  // after it
 
 struct JourneyOptions {
   int num_frames = 4, window = 8;
-  double step_m = 0.5, turn_rad = 0.2;              // of the drive
+  double step_m = 0.4, turn_rad = 0.2;              // of the drive
   double odometry_m = 0.02, odometry_rad = 0.0175;  // its noise, per axis
   RectanglesOptions scene;
   VemOptions vem;

@@ -60,7 +60,7 @@ inline Status draw_journey(const std::string& file, const Rectangles& scene, con
 }
 
 inline Status draw_iterations(const std::string& file, const std::vector<char>& moved, const Rigid3& truth,
-                              const VemResult& result) {
+                              const Rigid3& start, const VemResult& result) {
   const auto canvas = canvas_for(file, 900, 720);
   const auto last = static_cast<double>(result.iterations.size());
   drawing::Axes above(*canvas, {70, 40}, {790, 270}, {0.0, last}, {0.0, 1.0});
@@ -74,10 +74,10 @@ inline Status draw_iterations(const std::string& file, const std::vector<char>& 
   }
   std::vector<Eigen::Vector2d> metres, degrees;
   double most = 0.05;
-  for (std::size_t n = 0; n < result.iterations.size(); ++n) {
-    const Vector6d off = local(truth, result.iterations[n].T_world_camera);
-    metres.emplace_back(static_cast<double>(n + 1), off.head<3>().norm());
-    degrees.emplace_back(static_cast<double>(n + 1), off.tail<3>().norm() * 18.0 / std::numbers::pi);
+  for (std::size_t n = 0; n <= result.iterations.size(); ++n) {
+    const Vector6d off = local(truth, n == 0 ? start : result.iterations[n - 1].T_world_camera);
+    metres.emplace_back(static_cast<double>(n), off.head<3>().norm());
+    degrees.emplace_back(static_cast<double>(n), off.tail<3>().norm() * 18.0 / std::numbers::pi);
     most = std::max({most, metres.back().y(), degrees.back().y()});
   }
   drawing::Axes below(*canvas, {70, 390}, {790, 270}, {0.0, last}, {0.0, 1.1 * most});
