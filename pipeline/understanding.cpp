@@ -12,7 +12,7 @@
 namespace povslam {
 namespace {
 
-constexpr double kMeshWeight = 0.03;  // looks: two from afar
+constexpr double kMeshWeight = 0.1;  // looks: one from 3 m is a fifth
 
 float ms(TimeNs span) {
   return static_cast<float>(to_ms(span));
@@ -62,7 +62,7 @@ struct Understanding::Impl {
     EXPECTS(!change_out);
     change.clear();
     journal.collect(library, structure, empty, change);
-    last_change = done.stamp;
+    last_change = newest_view;
     change_out = !change.empty();
     return change_out ? &change : nullptr;
   }
@@ -83,7 +83,7 @@ struct Understanding::Impl {
   void understand(const View& view, const LabelFrame* labels) {
     const TimeNs start = thread_cpu_now();
     done = {};
-    done.stamp = view.stamp();
+    done.stamp = newest_view = view.stamp();
     builder.build(view.frame, view.T_world_camera, seen);
     const Extraction* extraction = extract(labels);
     const TimeNs segmented = thread_cpu_now();
@@ -129,7 +129,7 @@ struct Understanding::Impl {
   WorldJournal journal;
   WorldChange change;
   bool change_out = false;
-  TimeNs last_change = 0;
+  TimeNs newest_view = 0, last_change = 0;
 };
 
 Understanding::Understanding(const UnderstandingOptions& options, const SensorCalibration& calibration,
@@ -158,9 +158,7 @@ void Understanding::stop_waiting() {
 }
 
 const Understood& Understanding::finish() {
-  const TimeNs stamp = impl_->done.stamp;
   impl_->done = {};
-  impl_->done.stamp = stamp;
   impl_->library.finish(impl_->step);
   impl_->journal.note(impl_->step.events);
   impl_->done.events = std::move(impl_->step.events);
@@ -188,7 +186,7 @@ void Understanding::mesh(Mesh& mesh) {
 
 WorldChange* Understanding::take_change() {
   const TimeNs period = from_seconds(impl_->options.change_period_s);
-  if (impl_->change_out || impl_->done.stamp - impl_->last_change < period) return nullptr;
+  if (impl_->change_out || impl_->newest_view - impl_->last_change < period) return nullptr;
   return impl_->collect();
 }
 WorldChange* Understanding::collect_change() {

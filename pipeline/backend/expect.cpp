@@ -30,6 +30,12 @@ double pooled_evidence(const WindowSheet& sheet, std::size_t object, const Quad*
   return sum;
 }
 
+void take(double now, double& information, VemDecision& decision) {
+  decision.accepted += now > 0.0 ? 1 : 0;
+  decision.flipped += (now > 0.0) != (information > 0.0) ? 1 : 0;
+  information = now;
+}
+
 }  // namespace
 
 void Expectation::start(const VemWindow& window, const WindowSheet& sheet, const VemOptions& options) {
@@ -156,47 +162,56 @@ double Expectation::weigh_pooled(const WindowSheet& sheet, std::size_t object, c
   return state.num_matches * pi;
 }
 
-void Expectation::decide(const WindowSheet& sheet, const std::vector<Quad>& error2, bool gated,
-                         std::vector<Quad>& information) const {
+VemDecision Expectation::decide(const WindowSheet& sheet, const std::vector<Quad>& error2, bool gated,
+                                std::vector<Quad>& information) const {
   const bool open = !gated || options_.gate == VemGate::none;
+  VemDecision all{0, 0};
   for (std::size_t object = 0; object < states_.size(); ++object) {
     const std::size_t first = sheet.first_slot(object);
     const Quad* errors = error2.data() + first;
     Quad* out = information.data() + first;
+    VemDecision part{0, 0};
     if (!open && options_.pool == VemPool::object) {
-      decide_pooled(sheet, object, errors, out);
+      part = decide_pooled(sheet, object, errors, out);
     } else if (!open && options_.gate == VemGate::expected_pi && !states_[object].structure) {
-      decide_by_pi(sheet, object, errors, out);
+      part = decide_by_pi(sheet, object, errors, out);
     } else {
       const double odds = open ? std::numeric_limits<double>::infinity() : gate_odds(states_[object]);
-      vem_kernels().gate(sheet.slots_of(object), odds, errors, sheet.inverse_variance(object), sheet.bias(object),
-                         pi_.data() + first, out);
+      part = vem_kernels().gate(sheet.slots_of(object), odds, errors, sheet.inverse_variance(object),
+                                sheet.bias(object), pi_.data() + first, out);
     }
+    all.accepted += part.accepted;
+    all.flipped += part.flipped;
   }
+  return all;
 }
 
-void Expectation::decide_by_pi(const WindowSheet& sheet, std::size_t object, const Quad* error2,
-                               Quad* information) const {
+VemDecision Expectation::decide_by_pi(const WindowSheet& sheet, std::size_t object, const Quad* error2,
+                                      Quad* information) const {
   const Quad *pi = pi_.data() + sheet.first_slot(object), *inverse = sheet.inverse_variance(object);
   const Quad* bias = sheet.bias(object);
+  VemDecision decision{0, 0};
   for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
     for (int i = 0; i < kVemLanes; ++i) {
       const double p = pi[slot].lane[i], iv = inverse[slot].lane[i];
       const double logit = std::log(p / (1.0 - p)) + bias[slot].lane[i] - 0.5 * error2[slot].lane[i] * iv;
-      information[slot].lane[i] = logit >= 0.0 ? p * iv : 0.0;
+      take(logit >= 0.0 ? p * iv : 0.0, information[slot].lane[i], decision);
     }
   }
+  return decision;
 }
 
-void Expectation::decide_pooled(const WindowSheet& sheet, std::size_t object, const Quad* error2,
-                                Quad* information) const {
+VemDecision Expectation::decide_pooled(const WindowSheet& sheet, std::size_t object, const Quad* error2,
+                                       Quad* information) const {
   const Quad *pi = pi_.data() + sheet.first_slot(object), *inverse = sheet.inverse_variance(object);
   const bool accepted = gate_odds(states_[object]) + pooled_evidence(sheet, object, error2) >= 0.0;
+  VemDecision decision{0, 0};
   for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
     for (int i = 0; i < kVemLanes; ++i) {
-      information[slot].lane[i] = accepted ? pi[slot].lane[i] * inverse[slot].lane[i] : 0.0;
+      take(accepted ? pi[slot].lane[i] * inverse[slot].lane[i] : 0.0, information[slot].lane[i], decision);
     }
   }
+  return decision;
 }
 
 }  // namespace povslam

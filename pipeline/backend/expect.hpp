@@ -37,8 +37,8 @@ class Expectation {
   // Beliefs after the residuals were measured once more (or as they are: held), then responsibilities.
   void run(const WindowSheet& sheet, const std::vector<Quad>& error2, bool held);
   // information of each match: E[pi] / variance where accepted, else 0. gated = false: all matches are accepted.
-  void decide(const WindowSheet& sheet, const std::vector<Quad>& error2, bool gated,
-              std::vector<Quad>& information) const;
+  VemDecision decide(const WindowSheet& sheet, const std::vector<Quad>& error2, bool gated,
+                     std::vector<Quad>& information) const;
 
   double expected_v(std::size_t object) const;  // structure: v_max
   const Belief& belief(std::size_t object) const { return states_[object].working; }
@@ -62,8 +62,8 @@ class Expectation {
   double gate_odds(const State& state) const;
   double weigh(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2);  // sum of E[pi]
   double weigh_pooled(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2);
-  void decide_by_pi(const WindowSheet& sheet, std::size_t object, const Quad* error2, Quad* information) const;
-  void decide_pooled(const WindowSheet& sheet, std::size_t object, const Quad* error2, Quad* information) const;
+  VemDecision decide_by_pi(const WindowSheet& sheet, std::size_t object, const Quad* error2, Quad* information) const;
+  VemDecision decide_pooled(const WindowSheet& sheet, std::size_t object, const Quad* error2, Quad* information) const;
 
   VemOptions options_;
   double log_uniform_ = 0.0;

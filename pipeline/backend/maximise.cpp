@@ -21,13 +21,15 @@ double measure_errors(const WindowSheet& sheet, VemEstimate& estimate) {
   return cost;
 }
 
-double settle_landmarks(const WindowSheet& sheet, const std::vector<Quad>& information, VemEstimate& estimate) {
+VemCost settle_landmarks(const WindowSheet& sheet, const std::vector<Quad>& information, VemEstimate& estimate) {
   Places places(estimate);
-  double cost = 0.0;
+  VemCost cost{0.0, 0.0};
   for (std::size_t object = 0; object < sheet.objects().size(); ++object) {
     const VemBlocks blocks = sheet.blocks(object, information.data());
-    cost += vem_kernels().settle(&blocks, &places.of(object), places.landmarks(sheet, object, estimate),
-                                 estimate.error2.data() + sheet.first_slot(object));
+    const VemCost part = vem_kernels().settle(&blocks, &places.of(object), places.landmarks(sheet, object, estimate),
+                                              estimate.error2.data() + sheet.first_slot(object));
+    cost.matched += part.matched;
+    cost.other += part.other;
   }
   return cost;
 }

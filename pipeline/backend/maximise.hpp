@@ -12,6 +12,7 @@ namespace povslam {
 struct MaximiseReport {
   int steps = 0;                               // that were taken
   double cost_before = 0.0, cost_after = 0.0;  // 1/2 sum of whitened squares; before: landmarks at their best already
+  double matched_after = 0.0;                  // what of it is the matches'
   double moved_m = 0.0, moved_rad = 0.0;       // the furthest any pose went in the last step
   bool failed = false;                         // no step lowers the cost, or numbers that are none
   double preparation_s = 0.0;                  // by Ceres' own clock, what it took before and after minimising
@@ -37,7 +38,7 @@ std::unique_ptr<Maximiser> make_maximiser(VemSolver solver);
 double measure_errors(const WindowSheet& sheet, VemEstimate& estimate);
 // Landmarks to their best places for poses and objects as they are, and their squared residuals; the cost of all
 // factors of landmarks.
-double settle_landmarks(const WindowSheet& sheet, const std::vector<Quad>& information, VemEstimate& estimate);
+VemCost settle_landmarks(const WindowSheet& sheet, const std::vector<Quad>& information, VemEstimate& estimate);
 // Cost of transitions and prior.
 double motion_cost(const VemWindow& window, const std::vector<Rigid3>& poses);
 

@@ -189,7 +189,8 @@ ceres::Solver::Options solver_options(int max_steps, double tolerance) {
 MaximiseReport CeresMaximiser::maximise(const std::vector<Quad>& information, int max_steps, double tolerance,
                                         VemEstimate& estimate) {
   MaximiseReport report;
-  report.cost_before = settle_landmarks(*sheet_, information, estimate) + motion_cost(*window_, estimate.poses);
+  const VemCost cost_before = settle_landmarks(*sheet_, information, estimate);
+  report.cost_before = cost_before.matched + cost_before.other + motion_cost(*window_, estimate.poses);
   std::ranges::copy(information, information_.begin());
   put(estimate);
   ceres::Solver::Options solver = solver_options(max_steps, tolerance);
@@ -211,7 +212,9 @@ MaximiseReport CeresMaximiser::maximise(const std::vector<Quad>& information, in
     report.moved_m = std::max(report.moved_m, moved.head<3>().norm());
     report.moved_rad = std::max(report.moved_rad, moved.tail<3>().norm());
   }
-  report.cost_after = settle_landmarks(*sheet_, information, estimate) + motion_cost(*window_, estimate.poses);
+  const VemCost cost_after = settle_landmarks(*sheet_, information, estimate);
+  report.matched_after = cost_after.matched;
+  report.cost_after = cost_after.matched + cost_after.other + motion_cost(*window_, estimate.poses);
   return report;
 }
 

@@ -25,6 +25,17 @@ using Block64 = Eigen::Matrix<double, 6, 4>;
 
 constexpr int kMaxTries = 8;
 constexpr double kFirstDamping = 1e-4;
+constexpr double kRounding = 1e-12;  // of the cost
+
+double total(const Quad& quad) {
+  return (quad.lane[0] + quad.lane[1]) + (quad.lane[2] + quad.lane[3]);
+}
+
+Moments4 total4(const Quad* quads) {
+  Moments4 m;
+  for (Eigen::Index i = 0; i < 16; ++i) m.data()[i] = total(quads[i]);
+  return m;
+}
 
 // sum c J_t^T J_s for poses t, s from sum c [1; d_t] [1; d_s]^T.
 Matrix6d pose_pose(const Moments4& m, const Eigen::Matrix3d& R_t, const Eigen::Matrix3d& R_s) {
@@ -73,8 +84,10 @@ class StructuredMaximiser final : public Maximiser {
   void add_motion(const VemEstimate& estimate);
   void hold();
   bool solve(double damping);
+  bool try_step(const std::vector<Quad>& information, const VemEstimate& estimate);
+  double furthest(Eigen::Index first) const;  // of a pose; first: 0 translation, 3 rotation
   void move(const VemEstimate& from, VemEstimate& to) const;
-  double cost(const std::vector<Quad>& information, VemEstimate& estimate) const;
+  VemCost cost(const std::vector<Quad>& information, VemEstimate& estimate) const;  // other: with motion
   auto H_block(std::size_t t, std::size_t s) {
     return H_.block<6, 6>(static_cast<Eigen::Index>(6 * t), static_cast<Eigen::Index>(6 * s));
   }
@@ -86,15 +99,18 @@ class StructuredMaximiser final : public Maximiser {
   std::vector<Eigen::Matrix4d> object_H_;
   std::vector<Eigen::LLT<Eigen::Matrix4d>> object_factor_;
   std::vector<Eigen::Vector4d> object_g_, object_step_;
-  std::vector<double> pairs_, frame_gradient_, frame_object_;
-  std::vector<Quad> scratch_;
-  VemEstimate trial_;
+  std::vector<Quad> pairs_, frame_gradient_, scratch_;
+  std::vector<double> frame_object_;
+  double cost_ = 0.0;  // where it was linearised
+  VemEstimate trial_;  // empty: not of this problem yet
+  VemCost trial_cost_{};
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
 void StructuredMaximiser::start(const VemWindow& window, const WindowSheet& sheet) {
   window_ = &window;
   sheet_ = &sheet;
+  trial_ = {};
   const std::size_t frames = window.poses.size(), objects = window.objects.size();
   const auto unknowns = static_cast<Eigen::Index>(6 * frames), columns = static_cast<Eigen::Index>(4 * objects);
   H_.resize(unknowns, unknowns);
@@ -113,8 +129,9 @@ void StructuredMaximiser::start(const VemWindow& window, const WindowSheet& shee
 }
 
 void StructuredMaximiser::linearise(const std::vector<Quad>& information, const VemEstimate& estimate) {
-  std::ranges::fill(pairs_, 0.0);
-  std::ranges::fill(frame_gradient_, 0.0);
+  std::ranges::fill(pairs_, Quad{});
+  std::ranges::fill(frame_gradient_, Quad{});
+  cost_ = motion_cost(*window_, estimate.poses);
   coupling_.setZero();
   Places places(estimate);
   for (std::size_t object = 0; object < object_H_.size(); ++object) add_object(object, information, estimate, places);
@@ -126,8 +143,9 @@ void StructuredMaximiser::linearise(const std::vector<Quad>& information, const 
 void StructuredMaximiser::add_object(std::size_t object, const std::vector<Quad>& information,
                                      const VemEstimate& estimate, Places& places) {
   const VemBlocks blocks = sheet_->blocks(object, information.data());
-  VemMoments moments{pairs_.data(), frame_gradient_.data(), frame_object_.data(), {}, {}, scratch_.data()};
+  VemMoments moments{pairs_.data(), frame_gradient_.data(), frame_object_.data(), scratch_.data(), {}, {}, 0.0};
   vem_kernels().moments(&blocks, &places.of(object), &moments);
+  cost_ += moments.cost;
   const Eigen::Rotation2Dd R_o(estimate.objects[object].yaw);
   object_H_[object] = object_object(moments.object, R_o);
   object_g_[object] = Eigen::Map<const Eigen::Vector4d>(moments.object_gradient);
@@ -142,16 +160,16 @@ void StructuredMaximiser::add_object(std::size_t object, const std::vector<Quad>
 
 void StructuredMaximiser::add_pairs(const VemEstimate& estimate) {
   const std::size_t frames = estimate.poses.size();
-  g_ = Eigen::Map<const Eigen::VectorXd>(frame_gradient_.data(), g_.size());
+  for (std::size_t i = 0; i < frame_gradient_.size(); ++i) {
+    g_[static_cast<Eigen::Index>(i)] = total(frame_gradient_[i]);
+  }
   for (std::size_t t = 0; t < frames; ++t) {
     const Eigen::Matrix3d R_t = estimate.poses[t].matrix3();
     for (std::size_t s = 0; s < t; ++s) {
-      const Eigen::Map<const Moments4> m(&pairs_[16 * (t * frames + s)]);
-      H_block(t, s) = -pose_pose(m, R_t, estimate.poses[s].matrix3());
+      H_block(t, s) = -pose_pose(total4(&pairs_[16 * (t * frames + s)]), R_t, estimate.poses[s].matrix3());
     }
-    const Eigen::Map<const Moments4> lower(&pairs_[16 * (t * frames + t)]);
-    const Moments4 m = lower.selfadjointView<Eigen::Lower>();
-    H_block(t, t) = pose_pose(m, R_t, R_t);
+    const Moments4 lower = total4(&pairs_[16 * (t * frames + t)]);
+    H_block(t, t) = pose_pose(lower.selfadjointView<Eigen::Lower>(), R_t, R_t);
   }
 }
 
@@ -233,38 +251,50 @@ void StructuredMaximiser::move(const VemEstimate& from, VemEstimate& to) const {
   }
 }
 
-double StructuredMaximiser::cost(const std::vector<Quad>& information, VemEstimate& estimate) const {
-  return settle_landmarks(*sheet_, information, estimate) + motion_cost(*window_, estimate.poses);
+VemCost StructuredMaximiser::cost(const std::vector<Quad>& information, VemEstimate& estimate) const {
+  const VemCost landmarks = settle_landmarks(*sheet_, information, estimate);
+  return {landmarks.matched, landmarks.other + motion_cost(*window_, estimate.poses)};
+}
+
+// One step that does not raise the cost, into trial_: undamped first, then damped more and more.
+bool StructuredMaximiser::try_step(const std::vector<Quad>& information, const VemEstimate& estimate) {
+  double damping = 0.0;
+  for (int i = 0; i < kMaxTries; ++i, damping = std::max(kFirstDamping, 10.0 * damping)) {
+    if (!solve(damping)) continue;
+    move(estimate, trial_);
+    trial_cost_ = cost(information, trial_);
+    if (trial_cost_.matched + trial_cost_.other <= cost_ * (1.0 + kRounding)) return true;
+  }
+  return false;
+}
+
+double StructuredMaximiser::furthest(Eigen::Index first) const {
+  double most = 0.0;
+  for (Eigen::Index t = first; t < step_.size(); t += 6) most = std::max(most, step_.segment<3>(t).norm());
+  return most;
 }
 
 MaximiseReport StructuredMaximiser::maximise(const std::vector<Quad>& information, int max_steps, double tolerance,
                                              VemEstimate& estimate) {
   MaximiseReport report;
-  trial_ = estimate;
-  report.cost_before = report.cost_after = cost(information, estimate);
-  while (report.steps < max_steps && !report.failed) {
+  if (trial_.poses.empty()) trial_ = estimate;
+  while (report.steps < max_steps) {
     linearise(information, estimate);
-    double damping = 0.0, now = report.cost_after;
-    bool lower = false;
-    for (int i = 0; i < kMaxTries && !lower; ++i, damping = std::max(kFirstDamping, 10.0 * damping)) {
-      if (!solve(damping)) continue;
-      move(estimate, trial_);
-      now = cost(information, trial_);
-      lower = now <= report.cost_after * (1.0 + 1e-12);
+    if (report.steps == 0) report.cost_before = cost_;
+    if (!try_step(information, estimate)) {
+      trial_cost_ = cost(information, estimate);
+      report.failed = true;
+    } else {
+      std::swap(estimate, trial_);
+      ++report.steps;
+      report.moved_m = furthest(0);
+      report.moved_rad = furthest(3);
     }
-    report.failed = !lower;
-    if (!lower) break;
-    std::swap(estimate, trial_);
-    report.cost_after = now;
-    ++report.steps;
-    report.moved_m = report.moved_rad = 0.0;
-    for (Eigen::Index t = 0; t < step_.size(); t += 6) {
-      report.moved_m = std::max(report.moved_m, step_.segment<3>(t).norm());
-      report.moved_rad = std::max(report.moved_rad, step_.segment<3>(t + 3).norm());
-    }
-    double object_moved = 0.0;
-    for (const Eigen::Vector4d& step : object_step_) object_moved = std::max(object_moved, step.norm());
-    if (std::max({report.moved_m, report.moved_rad, object_moved}) <= tolerance) break;
+    report.matched_after = trial_cost_.matched;
+    report.cost_after = trial_cost_.matched + trial_cost_.other;
+    double objects = 0.0;
+    for (const Eigen::Vector4d& step : object_step_) objects = std::max(objects, step.norm());
+    if (report.failed || std::max({report.moved_m, report.moved_rad, objects}) <= tolerance) break;
   }
   return report;
 }

@@ -1,7 +1,6 @@
 #include "pipeline/backend/vem.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -36,7 +35,6 @@ VemResult Vem::solve(const VemWindow& window) {
   expectation_.start(window, sheet_, options_);
   maximiser_->start(window, sheet_);
   information_.assign(sheet_.num_slots(), Quad{});
-  accepted_.assign(sheet_.num_slots(), 0);
   other_cost_ = measure_errors(sheet_, estimate_) + motion_cost(window, estimate_.poses);
   for (int n = 0; n < options_.max_iterations && !result.converged; ++n) {
     result.iterations.push_back(iterate(n));
@@ -61,7 +59,6 @@ VemIteration Vem::iterate(int iteration) {
   VemIteration out;
   out.elbo = expectation_.bound() - other_cost_;
   maximise(iteration, out);
-  count(out);
   out.T_world_camera = estimate_.poses.back();
   return out;
 }
@@ -69,10 +66,14 @@ VemIteration Vem::iterate(int iteration) {
 void Vem::maximise(int iteration, VemIteration& out) {
   const std::vector<Rigid3> before = estimate_.poses;
   for (int step = 0; step < options_.steps; ++step) {
-    expectation_.decide(sheet_, estimate_.error2, iteration >= options_.burn_in, information_);
+    const VemDecision decision =
+        expectation_.decide(sheet_, estimate_.error2, iteration >= options_.burn_in, information_);
+    out.num_accepted = decision.accepted;
+    out.num_flipped += decision.flipped;
     const MaximiseReport report = maximiser_->maximise(information_, 1, 0.0, estimate_);
     out.cost = report.cost_after;
     out.preparation_s += report.preparation_s;
+    other_cost_ = report.cost_after - report.matched_after;
     if (report.failed) break;
   }
   for (std::size_t t = 0; t < before.size(); ++t) {
@@ -80,22 +81,6 @@ void Vem::maximise(int iteration, VemIteration& out) {
     out.moved_m = std::max(out.moved_m, moved.head<3>().norm());
     out.moved_rad = std::max(out.moved_rad, moved.tail<3>().norm());
   }
-}
-
-void Vem::count(VemIteration& out) {
-  double matched = 0.0;
-  for (std::size_t slot = 0; slot < accepted_.size(); ++slot) {
-    unsigned now = 0;
-    for (unsigned i = 0; i < kVemLanes; ++i) {
-      const double information = information_[slot].lane[i];
-      now |= information > 0.0 ? 1U << i : 0U;
-      matched += information * estimate_.error2[slot].lane[i];
-    }
-    out.num_accepted += std::popcount(now);
-    out.num_flipped += std::popcount(now ^ accepted_[slot]);
-    accepted_[slot] = static_cast<unsigned char>(now);
-  }
-  other_cost_ = out.cost - 0.5 * matched;
 }
 
 bool Vem::settled(int iteration, const VemResult& result) const {

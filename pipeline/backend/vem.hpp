@@ -62,7 +62,6 @@ class Vem {
   double least_sigma(int iteration) const;  // of matches; 0: their own
   VemIteration iterate(int iteration);
   void maximise(int iteration, VemIteration& out);
-  void count(VemIteration& out);
   bool settled(int iteration, const VemResult& result) const;
   void report_matches(const VemWindow& window, VemResult& result) const;
   void report_objects(const VemWindow& window, VemResult& result) const;
@@ -74,8 +73,7 @@ class Vem {
   Expectation expectation_;
   VemEstimate estimate_;
   std::vector<Quad> information_;
-  std::vector<unsigned char> accepted_;  // by slot, a bit a lane
-  double other_cost_ = 0.0;              // of all factors but the matches', of the estimate
+  double other_cost_ = 0.0;  // of all factors but the matches', of the estimate
 };
 
 }  // namespace povslam

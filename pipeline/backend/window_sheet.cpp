@@ -52,7 +52,8 @@ void WindowSheet::assign(const VemWindow& window, const VemOptions& options) {
   rigid_weight_.assign(blocks, Quad{});
   prior_weight_.assign(blocks, Quad{{1.0, 1.0, 1.0, 1.0}});  // of a lane without landmark
   p_camera_.assign(3 * slots, Quad{});
-  for (auto* quads : {&own_variance_, &own_bias_, &inverse_variance_, &bias_}) quads->assign(slots, Quad{});
+  for (auto* quads : {&own_inverse_, &own_bias_, &inverse_variance_, &bias_})
+    quads->assign(slots, Quad{});
   place_landmarks(window);
   place_matches(window);
   least_sigma_ = std::numeric_limits<double>::infinity();
@@ -83,7 +84,7 @@ void WindowSheet::place_matches(const VemWindow& window) {
   for (const VemMatch& match : window.matches) {
     const std::size_t at = lane_of_match(match);
     const double variance = match.sigma_m * match.sigma_m;
-    lane(own_variance_, at) = variance;
+    lane(own_inverse_, at) = 1.0 / variance;
     smallest_sigma_ = std::min(smallest_sigma_, match.sigma_m);
     lane(own_bias_, at) = log_gaussian_peak(dimension_, variance) - log_uniform_;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -96,15 +97,14 @@ void WindowSheet::place_matches(const VemWindow& window) {
 void WindowSheet::set_least_sigma(double sigma_m) {
   if (std::max(sigma_m, least_sigma_) <= smallest_sigma_) return;  // none is raised, and none was
   least_sigma_ = sigma_m;
-  const double least = sigma_m * sigma_m;
-  const double least_inverse = least > 0.0 ? 1.0 / least : 0.0;
-  const double least_bias = least > 0.0 ? log_gaussian_peak(dimension_, least) - log_uniform_ : 0.0;
-  for (std::size_t slot = 0; slot < own_variance_.size(); ++slot) {
-    for (int i = 0; i < kVemLanes; ++i) {
-      const double own = own_variance_[slot].lane[i];
-      const bool raised = own < least;
-      inverse_variance_[slot].lane[i] = own == 0.0 ? 0.0 : raised ? least_inverse : 1.0 / own;
-      bias_[slot].lane[i] = raised ? least_bias : own_bias_[slot].lane[i];
+  const double variance = sigma_m * sigma_m;
+  const double inverse = sigma_m > 0.0 ? 1.0 / variance : std::numeric_limits<double>::infinity();
+  const double bias = sigma_m > 0.0 ? log_gaussian_peak(dimension_, variance) - log_uniform_ : 0.0;
+  for (std::size_t slot = 0; slot < own_inverse_.size(); ++slot) {
+    for (int i = 0; i < kVemLanes; ++i) {  // no match: 0 stays the least
+      const double own = own_inverse_[slot].lane[i];
+      inverse_variance_[slot].lane[i] = std::min(own, inverse);
+      bias_[slot].lane[i] = own > inverse ? bias : own_bias_[slot].lane[i];
     }
   }
 }

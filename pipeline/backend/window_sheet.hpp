@@ -63,8 +63,9 @@ class WindowSheet {
   double smallest_sigma_ = 0.0, least_sigma_ = 0.0;
   std::vector<Object> objects_;
   std::vector<int> lane_of_landmark_;
-  std::vector<Quad> p_camera_, own_variance_, own_bias_, inverse_variance_, bias_;  // by block, frame (, axis)
-  std::vector<Quad> p_object_, p_prev_, prior_weight_, rigid_weight_;               // by block (, axis)
+  std::vector<Quad> p_camera_, own_inverse_, own_bias_, inverse_variance_,
+      bias_;                                                           // by block, frame (, axis)
+  std::vector<Quad> p_object_, p_prev_, prior_weight_, rigid_weight_;  // by block (, axis)
 };
 
 }  // namespace povslam

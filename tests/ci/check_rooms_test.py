@@ -14,7 +14,8 @@ FLOOR_PLAN = """
 room(base      pipeline/base      USES                 LINKS Boost::headers)
 room(geometry  pipeline/geometry  USES base            LINKS Eigen3::Eigen)
 room(frontend  pipeline/frontend  USES geometry)
-room(pipeline  pipeline           USES frontend)
+room(backend   pipeline/backend   USES frontend)
+room(pipeline  pipeline           USES backend)
 room(drivers   drivers            USES geometry)
 room(daemon    daemon             USES pipeline drivers)
 """

@@ -71,8 +71,9 @@ class RectanglesMaker {
 
   std::optional<Rectangles> try_scene() {
     Rectangles scene;
+    spawn(scene);
     for (int i = 0; i < options_.num_objects; ++i) {
-      const auto placed = place(scene.map, [this] {
+      const auto placed = place(scene, scene.map, [this] {
         return Rectangle{{wall(), wall()}, {uniform(0.3, 0.7), uniform(0.3, 0.7)}, uniform(-1.5, 1.5)};
       });
       if (!placed) return std::nullopt;
@@ -82,14 +83,13 @@ class RectanglesMaker {
     const double common_way = uniform(-std::numbers::pi, std::numbers::pi);
     const double common_length = uniform(options_.shift_min_m, options_.shift_max_m);
     for (std::size_t i = scene.map.size(); i-- > 0;) {  // those that stay come last
-      const auto placed = place(scene.now, [&, this] {
+      const auto placed = place(scene, scene.now, [&, this] {
         return scene.moved[i] != 0 ? shifted(scene.map[i], common_way, common_length) : scene.map[i];
       });
       if (!placed) return std::nullopt;
       scene.now.push_back(*placed);
     }
     std::ranges::reverse(scene.now);
-    spawn(scene);
     return scene;
   }
 
@@ -104,11 +104,13 @@ class RectanglesMaker {
   }
 
   template <class Draw>
-  std::optional<Rectangle> place(const std::vector<Rectangle>& others, Draw draw) {
-    constexpr double kGap_m = 0.3;
+  std::optional<Rectangle> place(const Rectangles& scene, const std::vector<Rectangle>& others, Draw draw) {
+    constexpr double kGap_m = 0.3, kRobot_m = 1.5;  // room for it to drive
     for (int i = 0; i < 100; ++i) {
       const Rectangle candidate = draw();
       const auto near = [&candidate](const Rectangle& other) { return too_near(candidate, other, kGap_m); };
+      const Eigen::Vector2d from_robot = candidate.position - scene.T_world_robot.translation.head<2>();
+      if (from_robot.norm() < candidate.half.norm() + kRobot_m) continue;
       if (std::ranges::none_of(others, near)) return candidate;
     }
     return std::nullopt;

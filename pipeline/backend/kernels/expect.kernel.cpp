@@ -5,32 +5,28 @@ namespace povslam::POVSLAM_ISA {
 
 namespace {
 
-// exp(x) for x <= 0 within 1 ulp or so; 0 below -700. x = n ln 2 + r, |r| <= ln 2 / 2; Taylor to r^13.
+// exp(x) for x <= 0 to about an ulp; 0 below -700. x = n ln 2 + r, |r| <= ln 2 / 2, and Taylor to r^12 (the next term
+// is below 2e-16), summed in a tree.
 POVSLAM_INLINE Lanes exp_negative(Lanes x) {
   const Bits counts = x > -700.0;
   x = select(counts, x, fill(0.0));
-  const Lanes shifted =
-      x * 1.4426950408889634 + 6755399441055744.0;  // 1.5 * 2^52: the low bits hold the rounded number
+  const Lanes shifted = x * 1.4426950408889634 + 6755399441055744.0;  // 1.5 * 2^52: the low bits are the whole number
   const Lanes n = shifted - 6755399441055744.0;
   const Lanes r = (x - n * 0.693147180369123816490) - n * 1.90821492927058770002e-10;
-  constexpr double kInverseFactorial[] = {1.0 / 6227020800.0,
-                                          1.0 / 479001600.0,
-                                          1.0 / 39916800.0,
-                                          1.0 / 3628800.0,
-                                          1.0 / 362880.0,
-                                          1.0 / 40320.0,
-                                          1.0 / 5040.0,
-                                          1.0 / 720.0,
-                                          1.0 / 120.0,
-                                          1.0 / 24.0,
-                                          1.0 / 6.0,
-                                          0.5,
-                                          1.0,
-                                          1.0};
-  Lanes power = fill(kInverseFactorial[0]);
-  for (int i = 1; i < 14; ++i) power = power * r + kInverseFactorial[i];
+  const Lanes r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
+  const Lanes p01 = 1.0 + r, p23 = 0.5 + r * (1.0 / 6.0);
+  const Lanes p45 = 1.0 / 24.0 + r * (1.0 / 120.0), p67 = 1.0 / 720.0 + r * (1.0 / 5040.0);
+  const Lanes p89 = 1.0 / 40320.0 + r * (1.0 / 362880.0), p1011 = 1.0 / 3628800.0 + r * (1.0 / 39916800.0);
+  const Lanes high = p89 + r2 * p1011 + r4 * (1.0 / 479001600.0);
+  const Lanes power = ((p45 + r2 * p67) * r4 + high * r8) + (p01 + r2 * p23);
   const Bits scale = (reinterpret_cast<Bits>(shifted) + 1023) << 52;
   return select(counts, power * reinterpret_cast<Lanes>(scale), fill(0.0));
+}
+
+POVSLAM_INLINE double sum_of_logs(Lanes a) {
+  double out = 0.0;
+  for (int lane = 0; lane < kVemLanes; ++lane) out += __builtin_log(a[lane]);
+  return out;
 }
 
 }  // namespace
@@ -44,28 +40,33 @@ void expect(int count, const Quad* error2, const Quad* inverse_variance, const Q
     const Lanes logit = sums->odds + lanes(bias[i]) - 0.5 * lanes(error2[i]) * iv;
     const Bits positive = logit > 0.0;
     const Lanes t = exp_negative(select(positive, -logit, logit));
-    const Lanes p = select(positive, fill(1.0), t) / (1.0 + t);
-    lanes(pi[i]) = select(matched, p, fill(0.0));
-    sum_pi += lanes(pi[i]);
+    const Lanes p = select(matched, select(positive, fill(1.0), t) / (1.0 + t), fill(0.0));
+    lanes(pi[i]) = p;
+    sum_pi += p;
     excess += select(matched & positive, logit, fill(0.0));
     product *= select(matched, 1.0 + t, fill(1.0));
     if (i % 512 == 511) {  // each factor is at most 2
-      for (int lane = 0; lane < kVemLanes; ++lane) sum_log += __builtin_log(product[lane]);
+      sum_log += sum_of_logs(product);
       product = fill(1.0);
     }
   }
-  for (int lane = 0; lane < kVemLanes; ++lane) sum_log += __builtin_log(product[lane]);
   sums->sum_pi = sum(sum_pi);
-  sums->sum_excess = sum(excess) + sum_log;
+  sums->sum_excess = sum(excess) + sum_log + sum_of_logs(product);
 }
 
-void gate(int count, double odds, const Quad* error2, const Quad* inverse_variance, const Quad* bias, const Quad* pi,
-          Quad* information) {
+VemDecision gate(int count, double odds, const Quad* error2, const Quad* inverse_variance, const Quad* bias,
+                 const Quad* pi, Quad* information) {
+  Lanes accepted = fill(0.0), flipped = fill(0.0);
   for (int i = 0; i < count; ++i) {
     const Lanes iv = lanes(inverse_variance[i]);
-    const Bits accepted = odds + lanes(bias[i]) - 0.5 * lanes(error2[i]) * iv >= 0.0;
-    lanes(information[i]) = select(accepted, lanes(pi[i]) * iv, fill(0.0));
+    const Bits passed = odds + lanes(bias[i]) - 0.5 * lanes(error2[i]) * iv >= 0.0;
+    const Bits before = lanes(information[i]) > 0.0;
+    const Lanes now = select(passed, lanes(pi[i]) * iv, fill(0.0));
+    lanes(information[i]) = now;
+    accepted += select(now > 0.0, fill(1.0), fill(0.0));
+    flipped += select((now > 0.0) ^ before, fill(1.0), fill(0.0));
   }
+  return {static_cast<int>(sum(accepted)), static_cast<int>(sum(flipped))};
 }
 
 }  // namespace povslam::POVSLAM_ISA

@@ -33,38 +33,46 @@ struct VemPlaces {                       // where things are
   double cos_yaw, sin_yaw, position[3];  // of the object
 };
 
-// (weight, expected share) of a set of matches, and of what the ELBO is made of.
 struct VemExpect {
   double odds;        // logarithm, before the residual is looked at
   double sum_pi;      // out
-  double sum_excess;  // out: sum of log(1 + exp(logit))
+  double sum_excess;  // out: sum of log(1 + exp(logit)), what the ELBO is made of
 };
 
-// Sums over an object's landmarks for its pair with each frame, see moments().
-struct VemMoments {
-  // Frame t, s <= t, at [t * num_frames + s]: 16 of sum c [1; d_t] [1; d_s]^T in the cameras' axes, where c is w_t w_s
-  // / W, for s = t it is w_t - w_t^2 / W and only those on and below the diagonal are set.
-  double* pairs;
-  double* frame_gradient;     // frame: 6, sum w r and sum w (R d) x r; world
-  double* frame_object;       // frame: 12 of sum c [1; d_t] [1; lx; ly]^T; of this object alone
-  double object[4];           // sum c, c lx, c ly, c (lx^2 + ly^2), c = w - w^2 / W
-  double object_gradient[4];  // sum w r and sum w (S R l) . r
-  Quad* scratch;              // kVemChunk * (num_frames + 1) * 4
+struct VemDecision {
+  int accepted, flipped;  // flipped: otherwise than information said before
 };
-enum { kVemChunk = 16 };
+
+struct VemCost {
+  double matched, other;  // 1/2 sum of weighted squares of matches; of prior and rigidity
+};
+
+enum { kVemChunk = 34 };  // blocks at a time: what they need stays in the first cache
+
+// Sums over an object's landmarks for its pair with each frame. `Quad`s are summed by lane only.
+struct VemMoments {
+  // Frames t, s <= t, at 16 * (t * num_frames + s): sum c [1; d_t] [1; d_s]^T by row, in the cameras' axes, where c is
+  // w_t w_s / W; for s = t it is w_t - w_t^2 / W and only the lower half is set. Added to.
+  Quad* pairs;
+  Quad* frame_gradient;       // frame: sum w r, sum w (R d) x r in the world. Added to.
+  double* frame_object;       // frame: 12 of sum c [1; d_t] [1; lx; ly]^T by row
+  Quad* scratch;              // kVemChunk * (num_frames + 1) * 4
+  double object[4];           // sum c, c lx, c ly, c (lx^2 + ly^2), c = w - w^2 / W
+  double object_gradient[4];  // sum w r, sum w (S R l) . r
+  double cost;                // 1/2 sum of weighted squares, landmarks at their best
+};
 
 struct VemKernels {
-  // Squared residuals [m^2] by block, frame, of landmarks where they are; returns 1/2 the weighted sum of all others'.
+  // Squared residuals [m^2] by block, frame, of landmarks where they are; returns the cost of prior and rigidity.
   double (*measure)(const VemBlocks* blocks, const VemPlaces* places, const Quad* landmark, Quad* error2);
-  // Landmarks to their best places, squared residuals there; returns 1/2 the weighted sum of all their residuals.
-  double (*settle)(const VemBlocks* blocks, const VemPlaces* places, Quad* landmark, Quad* error2);
+  // Landmarks to their best places, squared residuals there.
+  VemCost (*settle)(const VemBlocks* blocks, const VemPlaces* places, Quad* landmark, Quad* error2);
   // E[pi] = sigmoid(odds + bias - error2 / 2 variance), 0 without match. count: Quads.
   void (*expect)(int count, const Quad* error2, const Quad* inverse_variance, const Quad* bias, VemExpect* expect,
                  Quad* pi);
   // information = pi / variance where odds + bias - error2 / 2 variance >= 0, else 0.
-  void (*gate)(int count, double odds, const Quad* error2, const Quad* inverse_variance, const Quad* bias,
-               const Quad* pi, Quad* information);
-  // Adds to pairs and frame_gradient, sets the rest.
+  VemDecision (*gate)(int count, double odds, const Quad* error2, const Quad* inverse_variance, const Quad* bias,
+                      const Quad* pi, Quad* information);
   void (*moments)(const VemBlocks* blocks, const VemPlaces* places, VemMoments* moments);
 };
 

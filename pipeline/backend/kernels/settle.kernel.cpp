@@ -1,5 +1,5 @@
-// Residuals of landmarks where they are, and landmarks where their residuals are least (method of the weighted mean).
-#include "pipeline/backend/kernels/lanes.hpp"
+// Residuals of landmarks where they are, and landmarks where their residuals are least.
+#include "pipeline/backend/kernels/landmark.hpp"
 
 namespace povslam::POVSLAM_ISA {
 
@@ -22,39 +22,25 @@ double measure(const VemBlocks* blocks, const VemPlaces* places, const Quad* lan
   return 0.5 * sum(cost);
 }
 
-double settle(const VemBlocks* blocks, const VemPlaces* places, Quad* landmark, Quad* error2) {
+VemCost settle(const VemBlocks* blocks, const VemPlaces* places, Quad* landmark, Quad* error2) {
   const int frames = blocks->num_frames;
-  Lanes cost = fill(0.0);
+  Lanes matched = fill(0.0), other = fill(0.0);
   for (int block = 0; block < blocks->num_blocks; ++block) {
-    const Quad* information = blocks->information + block * frames;
-    const Lanes3 prev = load3(blocks->p_prev + 3 * block);
-    const Lanes3 body = shift(places->position, turn(*places, load3(blocks->p_object + 3 * block)));
-    const Lanes prior = lanes(blocks->prior_weight[block]), rigid = lanes(blocks->rigid_weight[block]);
-    Lanes3 seen[kVemMaxFrames];
-    Lanes total = prior + rigid;
-    Lanes3 mean = {prior * prev.x, prior * prev.y, prior * prev.z};
-    add_scaled(mean, rigid, body);
+    BestPlace best;
+    find_best(*blocks, *places, block, best);
+    lanes(landmark[3 * block]) = best.l.x;
+    lanes(landmark[3 * block + 1]) = best.l.y;
+    lanes(landmark[3 * block + 2]) = best.l.z;
+    other += best.other_cost;
     for (int t = 0; t < frames; ++t) {
-      const double* R_p = places->R_p + 12 * t;
-      seen[t] = shift(R_p + 9, rotate(R_p, load3(blocks->p_camera + 3 * (block * frames + t))));
-      total += lanes(information[t]);
-      add_scaled(mean, lanes(information[t]), seen[t]);
-    }
-    const Lanes inverse = 1.0 / total;
-    const Lanes3 l = {mean.x * inverse, mean.y * inverse, mean.z * inverse};
-    lanes(landmark[3 * block]) = l.x;
-    lanes(landmark[3 * block + 1]) = l.y;
-    lanes(landmark[3 * block + 2]) = l.z;
-    const Lanes3 from_prev = prev - l, from_body = body - l;
-    cost += prior * dot(from_prev, from_prev) + rigid * dot(from_body, from_body);
-    for (int t = 0; t < frames; ++t) {
-      const Lanes3 e = seen[t] - l;
+      const int slot = block * frames + t;
+      const Lanes3 e = shift(places->R_p + 12 * t + 9, best.arm[t]) - best.l;
       const Lanes square = dot(e, e);
-      lanes(error2[block * frames + t]) = square;
-      cost += lanes(information[t]) * square;
+      lanes(error2[slot]) = square;
+      matched += lanes(blocks->information[slot]) * square;
     }
   }
-  return 0.5 * sum(cost);
+  return {0.5 * sum(matched), 0.5 * sum(other)};
 }
 
 }  // namespace povslam::POVSLAM_ISA
