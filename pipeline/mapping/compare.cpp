@@ -41,8 +41,7 @@ DistanceComparison compare_distances(const Volume& volume, const DepthView& view
   const VisibleBlocks visible = visible_blocks(volume, view, T_camera_volume);
   const VoxelProjection projection(volume, view.camera, {0, 0, view.camera.width, view.camera.height}, T_camera_volume);
   const double truncation_m = volume.options().truncation_m;
-  const ComparePass pass{projection.rays(), view.depth_m.data(), static_cast<float>(truncation_m),
-                         static_cast<float>(kDistanceUnits / truncation_m)};
+  const ComparePass pass{projection.rays(), view.depth_m.data(), static_cast<float>(kDistanceUnits / truncation_m)};
   CompareSum sum{0, 0};
   for (const int index : visible.indices) {
     const VoxelBlock& block = volume.block(index);

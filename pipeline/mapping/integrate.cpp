@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
+#include <span>
 #include <vector>
 
 #include "pipeline/base/expects.hpp"
@@ -22,7 +22,7 @@ class Allocator {
   Allocator(Volume& volume, IntegrateReport& report) : volume_(volume), report_(report) {}
 
   void ask(const BlockKey& key) {
-    BlockKey& recent = recent_[static_cast<std::size_t>((key.x & 7) | (key.y & 7) << 3 | (key.z & 7) << 6)];
+    BlockKey& recent = recent_[static_cast<std::size_t>((key.x & 15) | (key.y & 15) << 4 | (key.z & 15) << 8)];
     if (recent == key) return;
     recent = key;
     const int before = volume_.num_blocks();
@@ -34,57 +34,115 @@ class Allocator {
   }
 
  private:
+  static constexpr int kRecent = 4096;
   Volume& volume_;
   IntegrateReport& report_;
-  std::array<BlockKey, 512> recent_ = [] {
-    std::array<BlockKey, 512> none{};
+  std::array<BlockKey, kRecent> recent_ = [] {
+    std::array<BlockKey, kRecent> none{};
     none.fill({1 << 30, 1 << 30, 1 << 30});
     return none;
   }();
 };
 
+// The owner's pixels of one row of the image, as rays in blocks from the camera on, for loops that become vectors.
+class RayRow {
+ public:
+  static constexpr int kBits = 10, kHalf = 1 << (kBits - 1);
+
+  RayRow(const DepthView& view, std::uint16_t owner, int stride_px)
+      : view_(view), owner_(owner), stride_px_(stride_px), size_((view.camera.width + stride_px - 1) / stride_px) {
+    for (std::vector<float>* values : {&depth_m_, &column_}) values->resize(static_cast<std::size_t>(size_));
+    keys_.resize(static_cast<std::size_t>(size_));
+  }
+
+  void read(int row) {
+    const float* depth = view_.depth_m.row(row);
+    const std::uint16_t* whose = view_.owner.row(row);
+    std::size_t count = 0;
+    for (int column = 0; column < view_.camera.width; column += stride_px_) {
+      depth_m_[count] = depth[column];
+      column_[count] = static_cast<float>(column);
+      count += (whose[column] == owner_) & (depth[column] > 0.0F);
+    }
+    count_ = count;
+  }
+
+  // The blocks at `ahead_m` beyond the surfaces: kBits each of x, y, z, from kHalf before the camera's block on. Rays
+  // are first + column * along; start: where the camera is within its block, plus kHalf.
+  std::span<const std::uint32_t> find_keys(float ahead_m, const Eigen::Vector3f& start, const Eigen::Vector3f& first,
+                                           const Eigen::Vector3f& along) {
+    const float sx = start.x(), sy = start.y(), sz = start.z(), fx = first.x(), fy = first.y(), fz = first.z(),
+                ax = along.x(), ay = along.y(), az = along.z();
+    const float *d = depth_m_.data(), *c = column_.data();
+    std::uint32_t* out = keys_.data();
+    const std::size_t count = count_;
+    for (std::size_t k = 0; k < count; ++k) {
+      const float far = d[k] + ahead_m, at = far > 0.0F ? far : 0.0F;
+      const int bx = static_cast<int>(sx + (fx + ax * c[k]) * at), by = static_cast<int>(sy + (fy + ay * c[k]) * at),
+                bz = static_cast<int>(sz + (fz + az * c[k]) * at);
+      out[k] = static_cast<std::uint32_t>(bx | by << kBits | bz << 2 * kBits);
+    }
+    return {keys_.data(), count_};
+  }
+
+ private:
+  const DepthView& view_;
+  std::uint16_t owner_;
+  int stride_px_, size_;
+  std::size_t count_ = 0;
+  std::vector<float> depth_m_, column_;
+  std::vector<std::uint32_t> keys_;
+};
+
 void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_volume_camera,
                              int stride_px, IntegrateReport& report) {
   Allocator allocator(volume, report);
-  const auto per_block = static_cast<float>(1.0 / (kBlockEdge * volume.options().voxel_size_m));
+  const double per_block = 1.0 / (kBlockEdge * volume.options().voxel_size_m);
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
   // Half a block from sample to sample along the ray.
-  const int steps = std::max(1, static_cast<int>(std::ceil(4.0F * truncation_m * per_block)));
-  const float step_m = 2.0F * truncation_m / static_cast<float>(steps);
-  const Eigen::Matrix3f rotation = T_volume_camera.matrix3().cast<float>() * per_block;
-  const Eigen::Vector3f start = T_volume_camera.translation.cast<float>() * per_block;
-  const auto inverse_fx = static_cast<float>(1.0 / view.camera.fx),
-             inverse_fy = static_cast<float>(1.0 / view.camera.fy);
-  const auto cx = static_cast<float>(view.camera.cx), cy = static_cast<float>(view.camera.cy);
-  for (int y = 0; y < view.camera.height; y += stride_px) {
-    const Eigen::Vector3f row = rotation.col(2) + rotation.col(1) * ((static_cast<float>(y) - cy) * inverse_fy) -
-                                rotation.col(0) * (cx * inverse_fx);
-    const Eigen::Vector3f along = rotation.col(0) * inverse_fx;
-    const float* depth = view.depth_m.row(y);
-    const std::uint16_t* whose = view.owner.row(y);
-    for (int x = 0; x < view.camera.width; x += stride_px) {
-      if (whose[x] != owner || !(depth[x] > 0.0F)) continue;
-      const Eigen::Vector3f ray = row + along * static_cast<float>(x);
-      for (int k = 0; k <= steps; ++k) {
-        const float z = std::max(depth[x] - truncation_m + static_cast<float>(k) * step_m, 0.0F);
-        const Eigen::Vector3f at = (start + ray * z).array().floor();
-        allocator.ask(
-            {static_cast<std::int32_t>(at.x()), static_cast<std::int32_t>(at.y()), static_cast<std::int32_t>(at.z())});
+  const int steps = std::max(1, static_cast<int>(std::ceil(4.0 * volume.options().truncation_m * per_block)));
+  const Eigen::Matrix3f rotation = (T_volume_camera.matrix3() * per_block).cast<float>();
+  const Eigen::Vector3d camera = T_volume_camera.translation * per_block;
+  const Eigen::Vector3d base = camera.array().floor() - RayRow::kHalf;
+  const Eigen::Vector3f start = (camera - base).cast<float>();
+  const BlockKey origin{static_cast<std::int32_t>(base.x()), static_cast<std::int32_t>(base.y()),
+                        static_cast<std::int32_t>(base.z())};
+  constexpr std::uint32_t kMask = (1U << RayRow::kBits) - 1;
+  const PinholeCamera& c = view.camera;
+  const Eigen::Vector3f along = rotation.col(0) / static_cast<float>(c.fx);
+  RayRow rays(view, owner, stride_px);
+  for (int row = 0; row < c.height; row += stride_px) {
+    rays.read(row);
+    const Eigen::Vector3f first = rotation.col(2) + rotation.col(1) * static_cast<float>((row - c.cy) / c.fy) -
+                                  rotation.col(0) * static_cast<float>(c.cx / c.fx);
+    for (int k = 0; k <= steps; ++k) {
+      const float ahead_m = truncation_m * (2.0F * static_cast<float>(k) / static_cast<float>(steps) - 1.0F);
+      std::uint32_t last = ~0U;
+      for (const std::uint32_t key : rays.find_keys(ahead_m, start, first, along)) {
+        if (key == last) continue;
+        last = key;
+        allocator.ask({origin.x + static_cast<std::int32_t>(key & kMask),
+                       origin.y + static_cast<std::int32_t>(key >> RayRow::kBits & kMask),
+                       origin.z + static_cast<std::int32_t>(key >> 2 * RayRow::kBits & kMask)});
       }
     }
   }
 }
 
-// The view as this owner's volume sees it, for the pixels of `box`.
+// The view as this owner's volume sees it, for the pixels of `box`. The buffers are kept: memory fresh from the system
+// for each call would cost as much as the work on it.
 struct Look {
-  std::unique_ptr<float[]> surface_m, clear_m;
+  std::vector<LookPixel> pixels;
+  std::vector<std::uint16_t> scratch;
+  float unit_m = 0.0F;
 
-  Look(const DepthView& view, std::uint16_t owner, const PixelBox& box, const MappingKernels& kernels) {
-    const std::size_t pixels = static_cast<std::size_t>(box.columns()) * static_cast<std::size_t>(box.rows());
-    surface_m = std::make_unique_for_overwrite<float[]>(pixels);
-    clear_m = std::make_unique_for_overwrite<float[]>(pixels);
-    const auto scratch =
-        std::make_unique_for_overwrite<float[]>(12 * static_cast<std::size_t>(box.columns() + 2 * kClearRadius));
+  void make(const DepthView& view, std::uint16_t owner, const PixelBox& box, float farthest_m,
+            const MappingKernels& kernels) {
+    const std::size_t wanted = static_cast<std::size_t>(box.columns()) * static_cast<std::size_t>(box.rows());
+    if (pixels.size() < wanted) pixels.resize(wanted);
+    const std::size_t row = static_cast<std::size_t>(kLookScratch * (box.columns() + 2 * kClearRadius));
+    if (scratch.size() < row) scratch.resize(row);
+    unit_m = farthest_m / kMostUnits;
     const LookSource source{view.depth_m.data(),
                             view.owner.data(),
                             view.camera.width,
@@ -95,34 +153,50 @@ struct Look {
                             box.columns(),
                             box.rows(),
                             kNobody,
-                            owner};
-    kernels.make_look(&source, surface_m.get(), clear_m.get(), scratch.get());
+                            owner,
+                            unit_m};
+    kernels.make_look(&source, pixels.data(), scratch.data());
   }
 };
 
 IntegratePass make_pass(const Volume& volume, const DepthView& view, const IntegrateOptions& options,
                         const PixelBox& box, const BlockRays& rays, const Look& look) {
-  const VolumeOptions& v = volume.options();
-  const auto square = [](double a) { return static_cast<float>(a * a); };
+  const double units_per_m = kDistanceUnits / volume.options().truncation_m;
+  const double voxel = volume.options().voxel_size_m * units_per_m;
   IntegratePass pass{};
   pass.rays = rays;
-  pass.surface_m = look.surface_m.get();
-  pass.clear_m = look.clear_m.get();
-  pass.channels = view.color.channels();
-  pass.color_stride = static_cast<std::int64_t>(view.color.stride());
+  pass.look = look.pixels.data();
+  pass.look_unit = static_cast<float>(static_cast<double>(look.unit_m) * units_per_m);
   pass.color = view.color.empty() ? nullptr : &view.color.at(box.x0, box.y0);
-  pass.truncation_m = static_cast<float>(v.truncation_m);
-  pass.units_per_m = static_cast<float>(kDistanceUnits / v.truncation_m);
-  pass.margin_m = static_cast<float>(0.5 * v.voxel_size_m);
-  pass.behind_per_unit = static_cast<float>(
-      v.truncation_m / std::max(v.truncation_m - v.voxel_size_m, 0.25 * v.voxel_size_m) / kDistanceUnits);
-  pass.color_units = static_cast<float>(2.0 * v.voxel_size_m * kDistanceUnits / v.truncation_m);
-  pass.good_sigma2 = square(kGoodSigma_m);
-  pass.quadratic2 = square(options.depth_sigma_quadratic_per_m);
-  pass.floor2 = square(options.depth_sigma_floor_m);
-  pass.units_per_look = kWeightUnits;
+  pass.color_last = view.color.size() < 4 ? nullptr : view.color.data() + view.color.size() - 4;
+  pass.color_stride = static_cast<std::int64_t>(view.color.stride());
+  pass.channels = view.color.channels();
+  pass.margin = static_cast<float>(0.5 * voxel);
+  const double quadratic = 2.0 * options.depth_sigma_quadratic_per_m / units_per_m;
+  const double floor = 2.0 * options.depth_sigma_floor_m * units_per_m;
+  pass.quadratic = static_cast<float>(quadratic * quadratic);
+  pass.floor = static_cast<float>(floor * floor);
+  pass.behind_per_unit = static_cast<float>(1.0 / std::max(kDistanceUnits - voxel, 0.25 * voxel));
   pass.max_weight_units = static_cast<float>(std::clamp(options.max_weight * kWeightUnits, 1.0, 65535.0));
   return pass;
+}
+
+// Starts to bring a block near while another one is worked on.
+void fetch(const VoxelBlock& block) {
+  const auto lines = [](const auto& values) {
+    const auto* bytes = reinterpret_cast<const char*>(values.data());
+    for (std::size_t k = 0; k < sizeof(values); k += 64) __builtin_prefetch(bytes + k, 1);
+  };
+  lines(block.distance);
+  lines(block.weight);
+}
+
+BlockPlace place_of(const VoxelProjection& projection, const BlockKey& key, const IntegrateOptions& options) {
+  const Eigen::Vector3f origin = projection.origin(key);
+  const double z_m = static_cast<double>(projection.centre_depth_m(key));
+  const double sigma_m = std::hypot(options.depth_sigma_quadratic_per_m * z_m * z_m, options.depth_sigma_floor_m);
+  const double looks = std::min(1.0, kGoodSigma_m * kGoodSigma_m / (sigma_m * sigma_m));
+  return {{origin.x(), origin.y(), origin.z()}, static_cast<float>(looks * kWeightUnits)};
 }
 
 bool has_inside(const VoxelBlock& block) {  // behind some surface
@@ -133,19 +207,22 @@ bool has_inside(const VoxelBlock& block) {  // behind some surface
 
 // Of the blocks whose last surface has gone, and their neighbours: those that no surface needs are given back.
 int remove_emptied(Volume& volume, const std::vector<BlockKey>& emptied) {
-  BlockPatch patch;
-  std::vector<BlockKey> useless;
+  std::vector<int> asked;
   for (const BlockKey& key : emptied) {
     for (int k = 0; k < 27; ++k) {
-      const BlockKey near{key.x + k % 3 - 1, key.y + k / 3 % 3 - 1, key.z + k / 9 - 1};
-      const int index = volume.find(near);
-      if (index < 0 || has_inside(volume.block(index)) || patch.load(volume, index, 0.0)) continue;
-      useless.push_back(near);
+      const int index = volume.find({key.x + k % 3 - 1, key.y + k / 3 % 3 - 1, key.z + k / 9 - 1});
+      if (index >= 0 && !has_inside(volume.block(index))) asked.push_back(index);
     }
   }
-  const int before = volume.num_blocks();
+  std::sort(asked.begin(), asked.end());
+  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+  BlockPatch patch;
+  std::vector<BlockKey> useless;
+  for (const int index : asked) {
+    if (!patch.load(volume, index, 0.0)) useless.push_back(volume.key(index));
+  }
   for (const BlockKey& key : useless) volume.remove(key);
-  return before - volume.num_blocks();
+  return static_cast<int>(useless.size());
 }
 
 }  // namespace
@@ -162,14 +239,17 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
 
   const MappingKernels& kernels = mapping_kernels();
   const VoxelProjection projection(volume, view.camera, visible.box, T_camera_volume);
-  const Look look(view, owner, visible.box, kernels);
+  thread_local Look look;
+  look.make(view, owner, visible.box, visible.farthest_m, kernels);
   const IntegratePass pass = make_pass(volume, view, options, visible.box, projection.rays(), look);
   std::vector<BlockKey> emptied;
-  for (const int index : visible.indices) {
+  for (std::size_t k = 0; k < visible.indices.size(); ++k) {
+    const int index = visible.indices[k];
+    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]));
     VoxelBlock& block = volume.block(index);
-    const Eigen::Vector3f origin = projection.origin(block.key);
+    const BlockPlace place = place_of(projection, block.key, options);
     const unsigned outcome =
-        kernels.integrate_block(&pass, origin.data(), block.distance.data(), block.weight.data(), block.color.data());
+        kernels.integrate_block(&pass, &place, block.distance.data(), block.weight.data(), block.color.data());
     if ((outcome & kBlockChanged) != 0) volume.mark_changed(index);
     if ((outcome & kBlockEmptied) != 0 && !has_inside(block)) emptied.push_back(block.key);
   }

@@ -44,15 +44,15 @@ class FarthestDepth {
   std::vector<float> farthest_m_;
 };
 
-// Pixels a ball may cover, within the image; empty if none.
-PixelBox pixels_of(const PinholeCamera& camera, const Eigen::Vector3f& p_camera, float radius_m) {
-  const PixelBox whole{0, 0, camera.width, camera.height};
-  const float nearest = p_camera.z() - radius_m;
-  if (nearest < radius_m) return whole;
+// Pixels that may be covered by what lies within `half` (along the camera's axes) of a point, within the image; empty
+// if none.
+PixelBox pixels_of(const PinholeCamera& camera, const Eigen::Vector3f& p_camera, const Eigen::Vector3f& half) {
+  const float nearest = p_camera.z() - half.z();
+  if (nearest < half.z()) return {0, 0, camera.width, camera.height};
   const float x = p_camera.x() / p_camera.z(), y = p_camera.y() / p_camera.z();
   const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  const float half_x = fx * radius_m / nearest * std::sqrt(1.0F + x * x) + 1.0F;
-  const float half_y = fy * radius_m / nearest * std::sqrt(1.0F + y * y) + 1.0F;
+  const float half_x = fx * (half.x() + std::abs(x) * half.z()) / nearest + 1.0F;
+  const float half_y = fy * (half.y() + std::abs(y) * half.z()) / nearest + 1.0F;
   const float u = fx * x + static_cast<float>(camera.cx), v = fy * y + static_cast<float>(camera.cy);
   const auto within = [](float value, int size) {
     return static_cast<int>(std::clamp(value, 0.0F, static_cast<float>(size)));
@@ -67,22 +67,25 @@ VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const 
   VisibleBlocks visible;
   const FarthestDepth farthest(view.depth_m);
   const auto edge_m = static_cast<float>(kBlockEdge * volume.options().voxel_size_m);
-  const float radius_m = edge_m * 0.8660255F;
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
   const Eigen::Matrix3f rotation = T_camera_volume.matrix3().cast<float>() * edge_m;
+  // Of the middles of a block's voxels.
+  const Eigen::Vector3f half =
+      rotation.cwiseAbs() * Eigen::Vector3f::Constant(0.5F * (kBlockEdge - 1.0F) / static_cast<float>(kBlockEdge));
   const Eigen::Vector3f first = T_camera_volume.translation.cast<float>() + rotation * Eigen::Vector3f::Constant(0.5F);
-  const float most = farthest.within({0, 0, view.camera.width, view.camera.height}) + truncation_m;
+  visible.farthest_m = farthest.within({0, 0, view.camera.width, view.camera.height});
+  const float most = visible.farthest_m + truncation_m;
   PixelBox all{view.camera.width, view.camera.height, 0, 0};
   for (int index = 0; index < volume.num_blocks(); ++index) {
     const BlockKey& key = volume.key(index);
     const Eigen::Vector3f centre =
         first +
         rotation * Eigen::Vector3f(static_cast<float>(key.x), static_cast<float>(key.y), static_cast<float>(key.z));
-    if (centre.z() < -radius_m || centre.z() - radius_m > most) continue;
-    const PixelBox box = pixels_of(view.camera, centre, radius_m);
+    if (centre.z() < -half.z() || centre.z() - half.z() > most) continue;
+    const PixelBox box = pixels_of(view.camera, centre, half);
     if (box.columns() <= 0 || box.rows() <= 0) continue;
     const float seen_to = farthest.within(box);
-    if (seen_to == 0.0F || centre.z() - radius_m > seen_to + truncation_m) continue;
+    if (seen_to == 0.0F || centre.z() - half.z() > seen_to + truncation_m) continue;
     visible.indices.push_back(index);
     all = {std::min(all.x0, box.x0), std::min(all.y0, box.y0), std::max(all.x1, box.x1), std::max(all.y1, box.y1)};
   }
@@ -92,18 +95,27 @@ VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const 
 
 VoxelProjection::VoxelProjection(const Volume& volume, const PinholeCamera& camera, const PixelBox& box,
                                  const Rigid3& T_camera_volume)
-    : box_(box), voxel_size_m_(volume.options().voxel_size_m) {
+    : box_(box),
+      voxel_size_m_(volume.options().voxel_size_m),
+      units_per_m_(kDistanceUnits / volume.options().truncation_m) {
   Eigen::Matrix3d intrinsics;
   intrinsics << camera.fx, 0.0, camera.cx - box.x0, 0.0, camera.fy, camera.cy - box.y0, 0.0, 0.0, 1.0;
+  intrinsics *= units_per_m_;
   rotation_ = intrinsics * T_camera_volume.matrix3();
   translation_ = intrinsics * T_camera_volume.translation;
 }
 
 BlockRays VoxelProjection::rays() const {
   BlockRays rays{};
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int c = 0; c < 3; ++c) rays.along[axis][c] = static_cast<float>(rotation_(c, axis) * voxel_size_m_);
+  const Eigen::Matrix3d along = rotation_ * voxel_size_m_;
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 0; k < kBlockEdge * kBlockEdge; ++k) {
+      rays.in_slice[c][k] = static_cast<float>(along(c, 0) * (k % kBlockEdge) + along(c, 1) * (k / kBlockEdge));
+    }
+    rays.next_slice[c] = static_cast<float>(along(c, 2));
   }
+  constexpr double kNear_m = 0.02;
+  rays.near = static_cast<float>(kNear_m * units_per_m_);
   rays.columns = box_.columns();
   rays.rows = box_.rows();
   return rays;
@@ -112,6 +124,11 @@ BlockRays VoxelProjection::rays() const {
 Eigen::Vector3f VoxelProjection::origin(const BlockKey& key) const {
   const Eigen::Vector3d voxel = kBlockEdge * Eigen::Vector3d(key.x, key.y, key.z) + Eigen::Vector3d::Constant(0.5);
   return (rotation_ * (voxel * voxel_size_m_) + translation_).cast<float>();
+}
+
+float VoxelProjection::centre_depth_m(const BlockKey& key) const {
+  const Eigen::Vector3d centre = kBlockEdge * (Eigen::Vector3d(key.x, key.y, key.z) + Eigen::Vector3d::Constant(0.5));
+  return static_cast<float>((rotation_.row(2).dot(centre) * voxel_size_m_ + translation_.z()) / units_per_m_);
 }
 
 }  // namespace povslam

@@ -17,23 +17,25 @@ struct PixelBox {  // of an image: columns x0 … x1 - 1
 
 struct VisibleBlocks {
   std::vector<int> indices;
-  PixelBox box;  // holds all pixels they fall on
+  PixelBox box;             // holds all pixels they fall on
+  float farthest_m = 0.0F;  // the largest depth measured in the whole picture
 };
 // Of the blocks that lie in the picture, not wholly behind what was measured there by more than the truncation.
 VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume);
 
-// Projection of voxel centres into pixels of `box`.
+// Projection of voxel centres into pixels of `box`, with depths in the volume's distance units.
 class VoxelProjection {
  public:
   VoxelProjection(const Volume& volume, const PinholeCamera& camera, const PixelBox& box,
                   const Rigid3& T_camera_volume);
   BlockRays rays() const;
   Eigen::Vector3f origin(const BlockKey& key) const;  // of its voxel 0
+  float centre_depth_m(const BlockKey& key) const;
 
  private:
   PixelBox box_;
-  double voxel_size_m_;
-  Eigen::Matrix3d rotation_;  // volume to pixel times depth
+  double voxel_size_m_, units_per_m_;
+  Eigen::Matrix3d rotation_;  // volume [m] to pixel times depth
   Eigen::Vector3d translation_;
 };
 

@@ -14,7 +14,7 @@
 namespace povslam {
 
 struct VolumeOptions {
-  double voxel_size_m = 0.05;
+  double voxel_size_m = 0.05;  // at least 0.002
   double truncation_m = 0.20;
   int max_blocks = 40000;
 };
@@ -62,6 +62,7 @@ class Volume {
   std::optional<Sample> sample(const Eigen::Vector3d& p_volume) const;
 
  private:
+  static Sample interpolate(const double (&value)[8], const Eigen::Vector3d& share);
   struct Hash {
     std::size_t operator()(const BlockKey& key) const;
   };

@@ -2,12 +2,12 @@
 
 #include "pipeline/base/expects.hpp"
 
-#define POVSLAM_DECLARE_KERNELS(isa)                                                           \
-  namespace isa {                                                                              \
-  void make_look(const LookSource*, float*, float*, float*);                                   \
-  unsigned integrate_block(const IntegratePass*, const float*, int16_t*, uint16_t*, uint8_t*); \
-  CompareSum compare_block(const ComparePass*, const float*, const int16_t*, const uint16_t*); \
-  const MappingKernels kMapping{make_look, integrate_block, compare_block};                    \
+#define POVSLAM_DECLARE_KERNELS(isa)                                                                \
+  namespace isa {                                                                                   \
+  void make_look(const LookSource*, LookPixel*, uint16_t*);                                         \
+  unsigned integrate_block(const IntegratePass*, const BlockPlace*, int16_t*, uint16_t*, uint8_t*); \
+  CompareSum compare_block(const ComparePass*, const float*, const int16_t*, const uint16_t*);      \
+  const MappingKernels kMapping{make_look, integrate_block, compare_block};                         \
   }
 
 namespace povslam {

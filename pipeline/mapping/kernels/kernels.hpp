@@ -1,6 +1,6 @@
 // The dense map's vector kernels: plain functions on raw pointers, compiled once per instruction set (*.kernel.cpp) and
-// picked at run time (dispatch.hpp). Every set returns the same bits. Kernel sources include nothing but this,
-// lanes.hpp and the intrinsics: an inline library function compiled for a wider set could be merged by the linker into
+// picked at run time (dispatch.hpp). Every set returns the same bits. Kernel sources include nothing but this folder's
+// headers and the intrinsics: an inline library function compiled for a wider set could be merged by the linker into
 // code that runs on a narrower machine.
 #pragma once
 
@@ -18,29 +18,43 @@ struct LookSource {
   int width, height, stride;  // px, of the whole image
   int x0, y0, columns, rows;  // px, the part wanted, inside the image
   uint16_t nobody, mine;      // values of owner
+  float unit_m;               // of the depths in the look; kMostUnits of it are the largest of them
 };
+constexpr float kMostUnits = 65000.0F;
 
-// Where a block's voxels fall: voxel (x, y, z) of it has p = origin + x along[0] + y along[1] + z along[2], and lies at
-// depth p[2] [m] in pixel (p[0], p[1]) / p[2] of the part.
+// What a pixel says to one owner's volume, in one word: bits 0 … 15 the depth [unit] where it is mine, else 0; bits 16
+// … 30 the least depth [2 units, rounded down] measured within kClearRadius, 0 where there is none; bit 31 is set where
+// somebody else's surface alone is there.
+using LookPixel = uint32_t;
+enum { kLookScratch = 12 };
+
+// Where a block's voxels fall: voxel (x, y, z) of it has p = origin + in_slice(x, y) + z next_slice, and lies at depth
+// p[2] in pixel (p[0], p[1]) / p[2] of the part. Depths, as the distances in blocks, are in units of which the
+// truncation has kFullUnits.
+constexpr float kFullUnits = 32000.0F;  // as kDistanceUnits of volume.hpp
 struct BlockRays {
-  float along[3][3];
+  float in_slice[3][64];  // of x + 8 y
+  float next_slice[3];
+  float near;         // voxels nearer than this are not projected
   int columns, rows;  // px, of the part
+};
+struct BlockPlace {
+  float origin[3];
+  float weight_units;  // of one look at it
 };
 
 struct IntegratePass {  // the same for all blocks of a call
   BlockRays rays;
-  const float* surface_m;  // see make_look
-  const float* clear_m;
-  const uint8_t* color;  // of the part's first pixel; null: none
-  int64_t color_stride;  // bytes
-  int channels;          // 1 or 3
-  float truncation_m;
-  float units_per_m;      // of stored distance
-  float margin_m;         // with 2 sigma: how far beyond a surface is clearly beyond
-  float behind_per_unit;  // slope of the weight behind a surface: 0 at the truncation, full at the margin
-  float color_units;      // voxels this near to the surface take its colour
-  float good_sigma2, quadratic2, floor2;  // [m^2, 1/m^2, m^2] weight of a look: good / (quadratic z^4 + floor)
-  float units_per_look, max_weight_units;
+  const LookPixel* look;      // of the part
+  float look_unit;            // distance units
+  const uint8_t* color;       // of the part's first pixel; null: none
+  const uint8_t* color_last;  // the last four bytes of the image
+  int64_t color_stride;       // bytes
+  int channels;               // 1 or 3
+  float margin;               // with 2 sigma: how far beyond a surface is clearly beyond
+  float quadratic, floor;     // (2 sigma)^2 of a depth z = quadratic z^4 + floor
+  float behind_per_unit;      // slope of the weight behind a surface: 0 at the truncation, full at a voxel
+  float max_weight_units;
 };
 
 // Of a block: some distance is another, or known now; some voxel behind a surface was seen empty.
@@ -49,19 +63,17 @@ enum { kBlockChanged = 1, kBlockEmptied = 2 };
 struct ComparePass {
   BlockRays rays;
   const float* depth_m;  // rows lie rays.columns apart
-  float truncation_m, units_per_m;
+  float units_per_m;
 };
 struct CompareSum {
   int64_t voxels, difference_units;
 };
 
 struct MappingKernels {
-  // Two images of columns x rows. surface_m: depth where the pixel is mine, else 0. clear_m: the least depth measured
-  // within kClearRadius, 0 where there is none; negative where somebody else's surface alone is there.
-  // scratch: 12 * (columns + 2 * kClearRadius) floats.
-  void (*make_look)(const LookSource* source, float* surface_m, float* clear_m, float* scratch);
+  // columns x rows pixels. scratch: kLookScratch * (columns + 2 * kClearRadius) values.
+  void (*make_look)(const LookSource* source, LookPixel* look, uint16_t* scratch);
   // Returns kBlockChanged…
-  unsigned (*integrate_block)(const IntegratePass* pass, const float* origin, int16_t* distance, uint16_t* weight,
+  unsigned (*integrate_block)(const IntegratePass* pass, const BlockPlace* place, int16_t* distance, uint16_t* weight,
                               uint8_t* color);
   CompareSum (*compare_block)(const ComparePass* pass, const float* origin, const int16_t* distance,
                               const uint16_t* weight);

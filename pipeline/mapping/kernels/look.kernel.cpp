@@ -5,85 +5,100 @@
 namespace povslam::POVSLAM_ISA {
 namespace {
 
-enum { kWindow = 2 * kClearRadius + 1 };
-constexpr float kFar = 1e9F;
+enum { kWindow = 2 * kClearRadius + 1, kFar = 65535 };
 
-// Least depth measured, and whether a surface is mine or nobody's (1, else 0), within kClearRadius along the row.
 struct RowWindow {
-  float* nearest;
-  float* doubtful;
+  uint16_t* nearest;   // depth [unit], kFar: none
+  uint16_t* doubtful;  // 1: a surface is mine or nobody's
 };
 
-POVSLAM_INLINE void clear_row(const LookSource& source, RowWindow out) {
-  for (int k = 0; k < source.columns; ++k) out.nearest[k] = kFar, out.doubtful[k] = 0.0F;
+POVSLAM_INLINE void fill_row(RowWindow row, int begin, int end) {
+  for (int k = begin; k < end; ++k) row.nearest[k] = kFar, row.doubtful[k] = 0;
 }
 
-POVSLAM_INLINE void scan_row(const LookSource& source, int y, RowWindow padded, RowWindow out) {
-  const int padded_columns = source.columns + 2 * kClearRadius;
-  const int from = source.x0 - kClearRadius;
+// Reads a row of the image, kClearRadius more on both sides.
+POVSLAM_INLINE void read_row(const LookSource& source, int y, RowWindow out) {
+  const int columns = source.columns + 2 * kClearRadius, from = source.x0 - kClearRadius;
   const int begin = from < 0 ? -from : 0;
-  const int end = from + padded_columns > source.width ? source.width - from : padded_columns;
+  const int end = from + columns > source.width ? source.width - from : columns;
   const float* depth = source.depth_m + static_cast<int64_t>(y) * source.stride + from;
   const uint16_t* owner = source.owner + static_cast<int64_t>(y) * source.stride + from;
-  for (int k = 0; k < begin; ++k) padded.nearest[k] = kFar, padded.doubtful[k] = 0.0F;
-  for (int k = end; k < padded_columns; ++k) padded.nearest[k] = kFar, padded.doubtful[k] = 0.0F;
-  const int nobody = source.nobody, mine = source.mine;
+  fill_row(out, 0, begin);
+  fill_row(out, end, columns);
+  const float per_m = 1.0F / source.unit_m;
+  const uint16_t nobody = source.nobody, mine = source.mine;
+  uint16_t* nearest = out.nearest;
+  uint16_t* doubtful = out.doubtful;
 #pragma omp simd
   for (int k = begin; k < end; ++k) {
-    const float d = depth[k];
-    const int whose = owner[k];
-    padded.nearest[k] = d > 0.0F ? d : kFar;
-    padded.doubtful[k] = ((whose == mine) | ((whose == nobody) & (d > 0.0F))) != 0 ? 1.0F : 0.0F;
-  }
-#pragma omp simd
-  for (int k = 0; k < source.columns; ++k) {
-    float nearest = padded.nearest[k], doubtful = padded.doubtful[k];
-    for (int j = 1; j < kWindow; ++j) {
-      nearest = padded.nearest[k + j] < nearest ? padded.nearest[k + j] : nearest;
-      doubtful = padded.doubtful[k + j] > doubtful ? padded.doubtful[k + j] : doubtful;
-    }
-    out.nearest[k] = nearest;
-    out.doubtful[k] = doubtful;
+    const auto units = static_cast<uint16_t>(static_cast<int32_t>(depth[k] * per_m + 0.5F));
+    nearest[k] = units > 0 ? units : static_cast<uint16_t>(kFar);
+    const auto is_mine = static_cast<uint16_t>(owner[k] == mine), is_nobody = static_cast<uint16_t>(owner[k] == nobody);
+    doubtful[k] = static_cast<uint16_t>(is_mine | (is_nobody & static_cast<uint16_t>(units > 0)));
   }
 }
 
-POVSLAM_INLINE void join_rows(const LookSource& source, int y, const RowWindow* window, float* surface_m,
-                              float* clear_m) {
+// Over the windows along the row.
+POVSLAM_INLINE void reduce_row(const LookSource& source, RowWindow padded, RowWindow out) {
+  const uint16_t *nearest_in = padded.nearest, *doubtful_in = padded.doubtful;
+  uint16_t *nearest_out = out.nearest, *doubtful_out = out.doubtful;
+  const int columns = source.columns;
+#pragma omp simd
+  for (int k = 0; k < columns; ++k) {
+    uint16_t nearest = nearest_in[k], doubtful = doubtful_in[k];
+    for (int j = 1; j < kWindow; ++j) {
+      nearest = nearest_in[k + j] < nearest ? nearest_in[k + j] : nearest;
+      doubtful = static_cast<uint16_t>(doubtful | doubtful_in[k + j]);
+    }
+    nearest_out[k] = nearest;
+    doubtful_out[k] = doubtful;
+  }
+}
+
+POVSLAM_INLINE void join_rows(const LookSource& source, int y, const RowWindow* rows, LookPixel* look) {
+  static_assert(kWindow == 5);
   const float* depth = source.depth_m + static_cast<int64_t>(y) * source.stride + source.x0;
   const uint16_t* owner = source.owner + static_cast<int64_t>(y) * source.stride + source.x0;
-  const int mine = source.mine;
+  const uint16_t *n0 = rows[0].nearest, *n1 = rows[1].nearest, *n2 = rows[2].nearest, *n3 = rows[3].nearest,
+                 *n4 = rows[4].nearest;
+  const uint16_t *d0 = rows[0].doubtful, *d1 = rows[1].doubtful, *d2 = rows[2].doubtful, *d3 = rows[3].doubtful,
+                 *d4 = rows[4].doubtful;
+  const float per_m = 1.0F / source.unit_m;
+  const uint16_t mine = source.mine;
+  const int columns = source.columns;
 #pragma omp simd
-  for (int k = 0; k < source.columns; ++k) {
-    float nearest = window[0].nearest[k], doubtful = window[0].doubtful[k];
-    for (int j = 1; j < kWindow; ++j) {
-      nearest = window[j].nearest[k] < nearest ? window[j].nearest[k] : nearest;
-      doubtful = window[j].doubtful[k] > doubtful ? window[j].doubtful[k] : doubtful;
-    }
-    const float clear = nearest < kFar ? nearest : 0.0F;
-    clear_m[k] = doubtful > 0.0F ? clear : -clear;
-    surface_m[k] = owner[k] == mine ? depth[k] : 0.0F;
+  for (int k = 0; k < columns; ++k) {
+    uint16_t nearest = n0[k] < n1[k] ? n0[k] : n1[k];
+    nearest = n2[k] < nearest ? n2[k] : nearest;
+    nearest = n3[k] < nearest ? n3[k] : nearest;
+    nearest = n4[k] < nearest ? n4[k] : nearest;
+    const uint32_t doubtful = static_cast<uint32_t>(d0[k] | d1[k] | d2[k] | d3[k] | d4[k]);
+    const uint32_t clear = nearest < kFar ? nearest / 2U : 0U;
+    const auto units = static_cast<uint32_t>(static_cast<int32_t>(depth[k] * per_m + 0.5F));
+    const uint32_t surface = owner[k] == mine ? units : 0U;
+    look[k] = surface | clear << 16 | (doubtful ^ 1U) << 31;
   }
 }
 
 }  // namespace
 
-void make_look(const LookSource* source, float* surface_m, float* clear_m, float* scratch) {
+void make_look(const LookSource* source, LookPixel* look, uint16_t* scratch) {
   const int padded_columns = source->columns + 2 * kClearRadius;
-  RowWindow rows[kWindow], padded{scratch + 2 * kWindow * padded_columns, scratch + (2 * kWindow + 1) * padded_columns};
-  for (int j = 0; j < kWindow; ++j) {
-    rows[j] = {scratch + 2 * j * padded_columns, scratch + (2 * j + 1) * padded_columns};
-  }
+  const auto row_of = [&](int k) {
+    return RowWindow{scratch + 2 * k * padded_columns, scratch + (2 * k + 1) * padded_columns};
+  };
+  RowWindow rows[kWindow];
+  for (int j = 0; j < kWindow; ++j) rows[j] = row_of(j);
   for (int y = source->y0 - kClearRadius; y < source->y0 + source->rows + kClearRadius; ++y) {
     const RowWindow row = rows[(y + kWindow * kWindow) % kWindow];
     if (y < 0 || y >= source->height) {
-      clear_row(*source, row);
+      fill_row(row, 0, source->columns);
     } else {
-      scan_row(*source, y, padded, row);
+      read_row(*source, y, row_of(kWindow));
+      reduce_row(*source, row_of(kWindow), row);
     }
     const int middle = y - kClearRadius, out = middle - source->y0;
-    if (out < 0) continue;
-    const int64_t begin = static_cast<int64_t>(out) * source->columns;
-    join_rows(*source, middle, rows, surface_m + begin, clear_m + begin);
+    if (out >= 0) join_rows(*source, middle, rows, look + static_cast<int64_t>(out) * source->columns);
   }
 }
 

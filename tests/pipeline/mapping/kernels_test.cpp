@@ -12,6 +12,7 @@ namespace povslam {
 namespace {
 
 constexpr int kColumns = 97, kRows = 61;
+constexpr float kUnit_m = 2.1F / kMostUnits, kUnitsPer_m = kFullUnits / 0.2F;
 
 // Blocks with any content before a picture with any content: each branch is taken somewhere.
 struct Case {
@@ -40,52 +41,58 @@ struct Case {
         blocks[b].weight[k] = static_cast<std::uint16_t>(random() % 6400);
       }
       const float z = 0.9F + 0.06F * static_cast<float>(b);
-      origins[b] = {z * 110.0F * uniform(random) - 10.0F, z * 60.0F * uniform(random), z};
+      origins[b] = {kUnitsPer_m * (z * 110.0F * uniform(random) - 10.0F), kUnitsPer_m * (z * 60.0F * uniform(random)),
+                    kUnitsPer_m * z};
     }
   }
   LookSource source(int x0, int y0, int columns, int rows) const {
-    return {depth_m.data(), owner.data(), kColumns, kRows, kColumns, x0, y0, columns, rows, 0, 2};
+    return {depth_m.data(), owner.data(), kColumns, kRows, kColumns, x0, y0, columns, rows, 0, 2, kUnit_m};
   }
   static BlockRays rays() {
-    return {{{4.1F, 0.2F, 0.01F}, {-0.1F, 4.0F, -0.02F}, {1.0F, 0.5F, 0.05F}}, kColumns, kRows};
+    constexpr float kAlong[3][3] = {
+        {4.1F, -0.1F, 1.0F}, {0.2F, 4.0F, 0.5F}, {0.01F, -0.02F, 0.05F}};  // x, y, z of each
+    BlockRays rays{};
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < 64; ++k) {
+        rays.in_slice[c][k] =
+            kUnitsPer_m * (kAlong[c][0] * static_cast<float>(k % 8) + kAlong[c][1] * static_cast<float>(k / 8));
+      }
+      rays.next_slice[c] = kUnitsPer_m * kAlong[c][2];
+    }
+    rays.columns = kColumns;
+    rays.rows = kRows;
+    return rays;
   }
 };
 
-struct Looked {
-  std::vector<float> surface_m = std::vector<float>(kColumns * kRows), clear_m = surface_m;
-};
-Looked make_look(const MappingKernels& kernels, const Case& c) {
-  Looked looked;
-  std::vector<float> scratch(12 * (kColumns + 2 * kClearRadius));
-  const LookSource source = c.source(0, 0, kColumns, kRows);
-  kernels.make_look(&source, looked.surface_m.data(), looked.clear_m.data(), scratch.data());
-  return looked;
+std::vector<LookPixel> make_look(const MappingKernels& kernels, const LookSource& source) {
+  std::vector<LookPixel> look(static_cast<std::size_t>(source.columns * source.rows));
+  std::vector<std::uint16_t> scratch(static_cast<std::size_t>(kLookScratch * (source.columns + 2 * kClearRadius)));
+  kernels.make_look(&source, look.data(), scratch.data());
+  return look;
 }
 
 std::vector<unsigned> integrate_all(const MappingKernels& kernels, Case& c, int channels) {
-  const Looked looked = make_look(kernels, c);
+  const std::vector<LookPixel> look = make_look(kernels, c.source(0, 0, kColumns, kRows));
   IntegratePass pass{};
   pass.rays = Case::rays();
-  pass.surface_m = looked.surface_m.data();
-  pass.clear_m = looked.clear_m.data();
+  pass.look = look.data();
+  pass.look_unit = kUnit_m * kUnitsPer_m;
   pass.color = channels == 0 ? nullptr : c.color.data();
+  pass.color_last = c.color.data() + channels * kColumns * kRows - 4;
   pass.color_stride = channels * kColumns;
   pass.channels = channels;
-  pass.truncation_m = 0.2F;
-  pass.units_per_m = kDistanceUnits / 0.2F;
-  pass.margin_m = 0.025F;
-  pass.behind_per_unit = 0.2F / 0.15F / kDistanceUnits;
-  pass.color_units = 16000.0F;
-  pass.good_sigma2 = 1e-4F;
-  pass.quadratic2 = 6.25e-6F;
-  pass.floor2 = 9e-6F;
-  pass.units_per_look = kWeightUnits;
+  pass.margin = 4000.0F;
+  pass.quadratic = 1e-15F;
+  pass.floor = 9e5F;
+  pass.behind_per_unit = 1.0F / 24000.0F;
   pass.max_weight_units = 6400.0F;
   std::vector<unsigned> outcomes;
   for (std::size_t b = 0; b < c.blocks.size(); ++b) {
     VoxelBlock& block = c.blocks[b];
-    outcomes.push_back(kernels.integrate_block(&pass, c.origins[b].data(), block.distance.data(), block.weight.data(),
-                                               block.color.data()));
+    const BlockPlace place{{c.origins[b][0], c.origins[b][1], c.origins[b][2]}, 7.3F * static_cast<float>(b)};
+    outcomes.push_back(
+        kernels.integrate_block(&pass, &place, block.distance.data(), block.weight.data(), block.color.data()));
   }
   return outcomes;
 }
@@ -94,9 +101,7 @@ class MappingKernelsOf : public testing::TestWithParam<int> {};
 
 TEST_P(MappingKernelsOf, TakeTheNearestDepthAroundAndSayWhoseItIs) {
   const Case c;
-  const LookSource part = c.source(20, 3, 50, 40);
-  std::vector<float> surface(50 * 40), clear(50 * 40), scratch(12 * (50 + 2 * kClearRadius));
-  mapping_kernels(GetParam()).make_look(&part, surface.data(), clear.data(), scratch.data());
+  const auto look = make_look(mapping_kernels(GetParam()), c.source(20, 3, 50, 40));
   for (int y = 3; y < 43; ++y) {
     for (int x = 20; x < 70; ++x) {
       float nearest = 1e9F;
@@ -108,9 +113,11 @@ TEST_P(MappingKernelsOf, TakeTheNearestDepthAroundAndSayWhoseItIs) {
           others = others && c.owner[k] != 2 && !(c.owner[k] == 0 && c.depth_m[k] > 0.0F);
         }
       }
-      const auto k = static_cast<std::size_t>(y * kColumns + x), out = static_cast<std::size_t>((y - 3) * 50 + x - 20);
-      ASSERT_EQ(surface[out], c.owner[k] == 2 ? c.depth_m[k] : 0.0F);
-      ASSERT_EQ(clear[out], others ? -nearest : nearest);
+      const auto k = static_cast<std::size_t>(y * kColumns + x);
+      const LookPixel pixel = look[static_cast<std::size_t>((y - 3) * 50 + x - 20)];
+      ASSERT_NEAR(static_cast<float>(pixel & 0xFFFF) * kUnit_m, c.owner[k] == 2 ? c.depth_m[k] : 0.0F, 0.51F * kUnit_m);
+      ASSERT_NEAR(static_cast<float>(pixel >> 16 & 0x7FFF) * 2.0F * kUnit_m, nearest - kUnit_m, 1.51F * kUnit_m);
+      ASSERT_EQ(pixel >> 31, others ? 1U : 0U);
     }
   }
 }
@@ -134,7 +141,7 @@ TEST_P(MappingKernelsOf, GiveTheSameBitsAsTheNarrowest) {
 
 TEST_P(MappingKernelsOf, CompareWithTheSameSumAsTheNarrowest) {
   const Case c;
-  const ComparePass pass{Case::rays(), c.depth_m.data(), 0.2F, kDistanceUnits / 0.2F};
+  const ComparePass pass{Case::rays(), c.depth_m.data(), kUnitsPer_m};
   std::int64_t voxels = 0;
   for (std::size_t b = 0; b < c.blocks.size(); ++b) {
     const VoxelBlock& block = c.blocks[b];
