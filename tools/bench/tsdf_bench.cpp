@@ -1,5 +1,5 @@
 // CPU of bringing 640x480 views of a simulated room into a volume, at 5 and 2 cm; and of what else works on volumes.
-//   tsdf_bench [ROUNDS]
+//   tsdf_bench [ROUNDS [SCENE]]
 // Beside Open3D's VoxelBlockGrid where that is installed (Debian: apt-get install libopen3d-dev, then configure anew;
 // nothing else needs it): the same frames, voxels and truncation, in turns within one process; the distances compared.
 // Its threads count, too: OMP_NUM_THREADS=1 keeps it to one.
@@ -58,8 +58,9 @@ struct Frame {
   DepthView view;
 };
 
-std::vector<Frame> make_frames(Times& build_times) {
+std::vector<Frame> make_frames(const std::string& scene, Times& build_times) {
   synthetic::SyntheticOptions options;
+  options.scene = scene;
   Result<synthetic::World> world = synthetic::World::create(options);
   if (!world) {
     std::fprintf(stderr, "tsdf_bench: %s\n", world.error().message.c_str());
@@ -196,12 +197,12 @@ void own_parts(const std::vector<Frame>& frames, const VolumeOptions& options, i
   std::printf("  look_at            %s ms   of all of them\n", look_times.text().c_str());
 }
 
-int run(int rounds) {
+int run(int rounds, const std::string& scene) {
   Times build_times, empty_times;
-  std::vector<Frame> frames = make_frames(build_times);
+  std::vector<Frame> frames = make_frames(scene, build_times);
   EmptySpace space({});
   for (const Frame& frame : frames) empty_times.measure([&] { space.observe(frame.view); });
-  std::printf("CPU ms, median and least, of %d views 640x480, %d rounds\n", kFrames, rounds);
+  std::printf("CPU ms, median and least, of %d views 640x480 of %s, %d rounds\n", kFrames, scene.c_str(), rounds);
   std::printf("depth view           %s ms\n", build_times.text().c_str());
   std::printf("empty space          %s ms   %d cells in the end\n", empty_times.text().c_str(), space.num_cells());
   for (const double voxel_m : {0.05, 0.02}) {
@@ -224,8 +225,8 @@ int run(int rounds) {
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::atoi(argv[1]) : 5;
   if (rounds < 1) {
-    std::fprintf(stderr, "usage: tsdf_bench [ROUNDS]\n");
+    std::fprintf(stderr, "usage: tsdf_bench [ROUNDS [SCENE]]\n");
     return 2;
   }
-  return povslam::run(rounds);
+  return povslam::run(rounds, argc > 2 ? argv[2] : "rooms");
 }
