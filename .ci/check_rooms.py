@@ -20,7 +20,7 @@ SOURCE_SUFFIXES = (".cpp", ".hpp", ".h", ".c")
 PROGRAMS = {
     "tools/povslam": ["base", "geometry", "frames", "pipeline", "drivers", "tools/povslam/*", "pipeline/backend/smooth.hpp",
                       "daemon/app.hpp", "daemon/config_*.hpp", "daemon/store.hpp", "daemon/messages/*",
-                      "daemon/stop_signal.hpp"],
+                      "daemon/stop_signal.hpp", "pipeline/mapping/mesh.hpp"],
     "tools": ["*"],
 }
 
@@ -32,9 +32,9 @@ DOORS = [
     ("yaml-cpp/*", ["drivers/replay/*"]),
     ("png.h", ["drivers/replay/*", "tools/povslam/*"]),
     ("jpeglib.h", ["drivers/replay/*"]),
-    ("lcm/*", ["daemon/publisher*", "tools/povslam/*"]),
+    ("lcm/*", ["daemon/publisher*", "daemon/label_lcm*", "tools/povslam/*"]),
     ("bot_core/*", ["daemon/publisher*", "daemon/messages*", "tools/povslam/*"]),
-    ("povslam/*", ["daemon/publisher*", "daemon/messages*", "tools/povslam/*"]),  # generated from daemon/messages/*.lcm
+    ("povslam/*", ["daemon/publisher*", "daemon/label_lcm*", "daemon/messages*", "tools/povslam/*"]),  # generated from daemon/messages/*.lcm
     ("toml++/*", ["daemon/config_file*"]),
     ("sqlite3.h", ["daemon/store*"]),
     ("systemd/*", ["daemon/service*"]),

@@ -1,24 +1,27 @@
-# Camera presets: the texts of config/presets/*.yaml become drivers/replay's camera_presets().
-file(GLOB preset_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/config/presets/*.yaml)
-set(preset_rows "")
-foreach(preset ${preset_files})
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${preset})
-  get_filename_component(name ${preset} NAME_WE)
-  file(READ ${preset} text)
-  string(APPEND preset_rows "    {\"${name}\", R\"yaml(${text})yaml\"},\n")
-endforeach()
-file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/camera_presets.cpp @ONLY CONTENT [[
-#include "drivers/replay/camera_presets.hpp"
+# built_in_texts(ROOM HEADER TYPE FUNCTION FILES): the texts of config files become rows {name, text} of FUNCTION(),
+# declared in HEADER, so that an installed program has them.
+function(built_in_texts room header type function pattern)
+  file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${pattern})
+  set(rows "")
+  foreach(file ${files})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+    get_filename_component(name ${file} NAME_WE)
+    file(READ ${file} text)
+    string(APPEND rows "    {\"${name}\", R\"text(${text})text\"},\n")
+  endforeach()
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${function}.cpp @ONLY CONTENT [[
+#include "@header@"
 
 namespace povslam {
 
 namespace {
-constexpr CameraPreset kPresets[] = {
-@preset_rows@};
+constexpr @type@ kRows[] = {
+@rows@};
 }
 
-std::span<const CameraPreset> camera_presets() { return kPresets; }
+std::span<const @type@> @function@() { return kRows; }
 
 }  // namespace povslam
 ]])
-target_sources(povslam_drivers PRIVATE ${PROJECT_BINARY_DIR}/camera_presets.cpp)
+  target_sources(povslam_${room} PRIVATE ${PROJECT_BINARY_DIR}/${function}.cpp)
+endfunction()

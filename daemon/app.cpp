@@ -8,8 +8,8 @@ namespace povslam {
 namespace {
 
 constexpr std::size_t kPoseRing = 256;  // 8 s at 30 Hz: what a stalled publisher may hold back
-constexpr std::size_t kJobRing = 8;     // the pipeline asks for one of a kind at a time
-constexpr std::size_t kChangeRing = 2;  // and hands out one change
+constexpr std::size_t kWorldReports = 1024;
+constexpr std::size_t kJobRing = 8;  // the pipeline asks for one of a kind at a time
 
 Rigid3 start_of(const AppConfig& config, const AppOptions& options, const Rigid3& T_body_camera) {
   if (options.T_world_camera_start) return *options.T_world_camera_start * T_body_camera.inverse();
@@ -46,34 +46,46 @@ Result<std::unique_ptr<App>> App::start(const AppConfig& config, AppOptions opti
   calibration.T_body_sensor = mount_of(sensor, calibration);
   log::info("{}: {}, {} x {} px, {:.1f} Hz", sensor.name, setup->description, calibration.camera.width,
             calibration.camera.height, calibration.fps);
-  return std::unique_ptr<App>(new App(config, std::move(options), std::move(*setup), std::move(map)));
+  std::unique_ptr<App> app(new App(config, options, std::move(*setup), map ? &*map : nullptr));
+  const Status started = app->start_threads(config, std::move(options), std::move(map));
+  if (!started) return started.error();
+  return app;
 }
 
-App::App(const AppConfig& config, AppOptions options, DriverSetup setup, std::optional<OpenedStore> map)
+App::App(const AppConfig& config, const AppOptions& options, DriverSetup setup, const OpenedStore* map)
     : setup_(std::move(setup)),
       frames_(config.daemon.frame_slots),
-      poses_(kPoseRing),
+      reports_(kPoseRing, kWorldReports),
       asked_(kJobRing),
       solved_(kJobRing),
-      changes_taken_(kChangeRing),
-      changes_stored_(kChangeRing),
-      pipeline_(std::make_unique<Pipeline>(config.pipeline, setup_.sensors[0],
-                                           start_of(config, options, T_body_camera()),
-                                           map && map->content.meta.next_keyframe > 0 ? &map->content : nullptr)) {
+      pipeline_(std::make_unique<Pipeline>(
+          config.pipeline, setup_.sensors[0], start_of(config, options, T_body_camera()),
+          map != nullptr && map->content.meta.next_keyframe > 0 ? &map->content : nullptr)) {}
+
+Status App::start_threads(const AppConfig& config, AppOptions options, std::optional<OpenedStore> map) {
   counters_.store_used = map.has_value();
   counters_.store_replaced = map && !map->quarantined.empty();
-  reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s)}, options.sinks,
-                    poses_, counters_);
+  auto understanding = UnderstandingUnit::start(config, setup_, map ? &map->world : nullptr,
+                                                {understanding_bell_, reports_.world, map ? &changes_.world : nullptr});
+  if (!understanding) return understanding.error();
+  understanding_ = std::move(*understanding);
+  reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s),
+                                    .objects_period = from_seconds(config.daemon.objects_period_s)},
+                    options.sinks, reports_, counters_);
   backend_.emplace(asked_, solved_, config.pipeline.backend, counters_);
-  ChangeOutlet outlet;
-  if (map) {
-    store_.emplace(std::move(map->store), changes_taken_, changes_stored_, counters_);
-    outlet = {&changes_taken_, &changes_stored_};
+  if (map) store_.emplace(std::move(map->store), changes_, counters_);
+  TrackingLinks links{frames_, reports_.poses, asked_, solved_};
+  if (map) links.changes = &changes_.map;
+  if (understanding_) {
+    links.views = &understanding_->views();
+    links.owners = &understanding_->owners();
   }
-  tracking_.emplace(*pipeline_, frames_, poses_, asked_, solved_, outlet, counters_, options.probe);
+  tracking_.emplace(*pipeline_, links, counters_, options.probe);
   reporter_->watch(&*tracking_);
   options.sensor.name = config.sensors[0].name;
-  sensor_.emplace(options.sensor, std::move(options.driver), setup_, frames_, counters_, std::move(options.on_end));
+  sensor_.emplace(options.sensor, std::move(options.driver), setup_, frames_,
+                  understanding_ ? understanding_->sensor_labels() : nullptr, counters_, std::move(options.on_end));
+  return Done{};
 }
 
 App::~App() {
@@ -84,17 +96,21 @@ void App::stop() {
   sensor_.reset();
   if (reporter_) reporter_->watch(nullptr);
   tracking_.reset();
+  if (understanding_) understanding_->finish();
   store_rest();
   backend_.reset();
   reporter_.reset();
 }
 
-// The pipeline hands a change out only when the one before is back.
+// Pipeline and understanding hand a change out only when the one before is back.
 void App::store_rest() {
   if (store_ && store_->finish()) {
-    while (const auto change = changes_stored_.try_pop()) pipeline_->give_back(*change);
-    if (MapChange* rest = pipeline_->collect_change()) {
-      if (store_->commit_rest(*rest)) pipeline_->give_back(rest);
+    while (const auto change = changes_.map.stored.try_pop()) pipeline_->give_back(*change);
+    MapChange* map = pipeline_->collect_change();
+    WorldChange* world = understanding_ ? understanding_->rest() : nullptr;
+    if ((map != nullptr || world != nullptr) && store_->commit_rest(map, world)) {
+      if (map != nullptr) pipeline_->give_back(map);
+      if (world != nullptr) understanding_->stored(world);
     }
   }
   store_.reset();

@@ -1,6 +1,6 @@
 // The running daemon without its process: owns the driver, the rings, the threads and the pipeline. The order of the
-// members is the order of starting; destruction stops them in reverse: sensor, tracking, store,
-// backend, reporter.
+// members is the order of starting; stop() ends them in reverse: sensor, tracking, understanding, store, backend,
+// reporter.
 #pragma once
 
 #include <functional>
@@ -18,6 +18,7 @@
 #include "daemon/store.hpp"
 #include "daemon/store_thread.hpp"
 #include "daemon/tracking_thread.hpp"
+#include "daemon/understanding_unit.hpp"
 
 namespace povslam {
 
@@ -33,8 +34,9 @@ struct AppOptions {
 
 class App {
  public:
-  // Opens the map and the sensor and starts all threads. Fails with the sensor's message when it cannot be opened, and
-  // with the store's when it cannot be used; a damaged store is set aside and the map begins empty.
+  // Opens the map and the sensor and starts all threads. Fails with the sensor's message when it cannot be opened, with
+  // the store's when it cannot be used, and when labels are asked for that nobody delivers; a damaged store is set
+  // aside and the map begins empty.
   static Result<std::unique_ptr<App>> start(const AppConfig& config, AppOptions options);
   ~App();
 
@@ -46,21 +48,27 @@ class App {
   const DriverSetup& setup() const { return setup_; }
   const Rigid3& T_body_camera() const { return setup_.sensors[0].T_body_sensor; }
   const Pipeline& pipeline() const { return *pipeline_; }  // after stop()
+  Understanding* understanding() {                         // after stop(); null: understanding.labels is off
+    return understanding_ ? &understanding_->understanding() : nullptr;
+  }
 
  private:
-  App(const AppConfig& config, AppOptions options, DriverSetup setup, std::optional<OpenedStore> map);
+  App(const AppConfig& config, const AppOptions& options, DriverSetup setup, const OpenedStore* map);
+  Status start_threads(const AppConfig& config, AppOptions options, std::optional<OpenedStore> map);
   void store_rest();
 
   DriverSetup setup_;
   Counters counters_;
   FrameExchange frames_;
-  PoseRing poses_;
+  ReportRings reports_;
   JobRing asked_, solved_;
-  ChangeRing changes_taken_, changes_stored_;
+  Doorbell understanding_bell_;
+  ChangeRings changes_{&understanding_bell_};
   std::unique_ptr<Pipeline> pipeline_;
   std::optional<Reporter> reporter_;
   std::optional<BackendThread> backend_;
   std::optional<StoreThread> store_;
+  std::unique_ptr<UnderstandingUnit> understanding_;
   std::optional<TrackingThread> tracking_;
   std::optional<SensorThread> sensor_;
 };

@@ -49,9 +49,10 @@ struct LogConfig {
 };
 
 struct DaemonConfig {
-  int frame_slots = 6;           // frames in flight between a sensor and tracking
-  double health_period_s = 1.0;  // also how often the watchdog is fed
-  bool exit_at_end = true;       // stop once a source that ends (a recording) has ended
+  int frame_slots = 6;            // frames in flight between a sensor and tracking
+  double health_period_s = 1.0;   // also how often the watchdog is fed
+  double objects_period_s = 2.0;  // between two lists of all objects
+  bool exit_at_end = true;        // stop once a source that ends (a recording) has ended
 };
 
 struct MapConfig {
@@ -61,10 +62,17 @@ struct MapConfig {
 // Where map.store says the map is; `state_folder`: what systemd gives a service ($STATE_DIRECTORY), or null.
 std::string store_file(const MapConfig& config, const char* state_folder);
 
+struct LabelConfig {
+  std::string socket;            // path a label source connects to; empty: off
+  std::string lcm_channel;       // empty: off
+  std::string classes = "auto";  // built-in table or file; auto: see choose_class_table()
+};
+
 struct AppConfig {
   LcmConfig lcm;
   LogConfig log;
   DaemonConfig daemon;
+  LabelConfig labels;
   PoseConfig start;  // T_world_body at the first frame
   MapConfig map;
   PipelineOptions pipeline;

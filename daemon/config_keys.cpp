@@ -4,29 +4,10 @@
 #include <numeric>
 #include <utility>
 
+#include "daemon/config_keys_rows.hpp"
+
 namespace povslam {
 namespace {
-
-#define AT(member)            \
-  [](auto& config) -> auto& { \
-    return config.member;     \
-  }
-
-template <class Config>
-struct Row {
-  template <class Getter>
-  static Member<Config> at(Getter getter) {
-    using Value = decltype(getter(std::declval<Config&>()));
-    return static_cast<Value (*)(Config&)>(getter);
-  }
-};
-
-Key<AppConfig> key(const char* path, auto getter, double min, double max, const char* doc) {
-  return {path, Row<AppConfig>::at(getter), doc, min, max};
-}
-Key<AppConfig> text(const char* path, auto getter, const char* doc, std::vector<std::string> choices = {}) {
-  return {path, Row<AppConfig>::at(getter), doc, 0, 512, std::move(choices)};
-}
 
 std::vector<Key<AppConfig>> daemon_table() {
   return {
@@ -38,7 +19,16 @@ std::vector<Key<AppConfig>> daemon_table() {
           "Frames in flight between the sensor and tracking; more are dropped and counted (ring_full)"),
       key("daemon.health_period_s", AT(daemon.health_period_s), 0.05, 5.0,
           "POVSLAM_HEALTH and the watchdog, besides every change of state"),
+      key("daemon.objects_period_s", AT(daemon.objects_period_s), 0.1, 5.0,
+          "POVSLAM_OBJECTS: all objects again, for those who were not listening from the beginning"),
       key("daemon.exit_at_end", AT(daemon.exit_at_end), 0, 1, "Stop when a source that ends (a recording) has ended"),
+      key("labels.socket", AT(labels.socket), 0, 107,
+          "Unix socket that a label source connects to, for example /run/povslam/labels.sock; empty: none"),
+      text("labels.lcm_channel", AT(labels.lcm_channel),
+           "LCM channel on which povslam.label_image_t comes, for example POVSLAM_LABELS; empty: none"),
+      text("labels.classes", AT(labels.classes),
+           "What the ids of label images mean: synthetic, torwic, coco, geometric or a TOML file; auto: as the sensor "
+           "says"),
       key("start.translation_m", AT(start.translation_m), -1e7, 1e7,
           "Where the body is at the first frame (T_world_body), for example at its dock; the world is level there"),
       key("start.q_xyzw", AT(start.q_xyzw), -1, 1, "Its orientation"),
@@ -151,12 +141,10 @@ std::vector<Key<SensorConfig>> sensor_table() {
   };
 }
 
-#undef AT
-
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
               sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(CloseLoopOptions) == 48 &&
-              sizeof(PipelineOptions) == 304);
+              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 304);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -178,7 +166,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::span<const Key<AppConfig>> config_keys() {
   static const std::vector<Key<AppConfig>> keys = [] {
     std::vector<Key<AppConfig>> all = daemon_table();
-    for (const auto& part : {frontend_table(), backend_table()}) all.insert(all.end(), part.begin(), part.end());
+    for (const auto& part : {frontend_table(), backend_table(), understanding_table()})
+      all.insert(all.end(), part.begin(), part.end());
     return all;
   }();
   return keys;
@@ -193,7 +182,8 @@ std::span<const OrderRule> order_rules() {
   static const std::vector<OrderRule> rules = {
       {"orb.min_fast_threshold", "orb.fast_threshold"},       {"noise.min_depth_m", "noise.max_depth_m"},
       {"track.min_inliers_degraded", "track.min_inliers_ok"}, {"map.keyframe_min_frames", "map.keyframe_max_frames"},
-      {"map.smooth_max_poses", "map.max_keyframes"},
+      {"map.smooth_max_poses", "map.max_keyframes"},          {"view.min_depth_m", "view.max_depth_m"},
+      {"structure.voxel_size_m", "structure.truncation_m"},   {"object.voxel_size_m", "object.truncation_m"},
   };
   return rules;
 }

@@ -3,6 +3,7 @@
 
 #include <type_traits>
 
+#include "daemon/config_class_keys.hpp"
 #include "daemon/config_keys.hpp"
 
 namespace povslam {
@@ -81,6 +82,7 @@ std::string describe(const Key<Config>& key) {
 }
 template std::string describe(const Key<AppConfig>& key);
 template std::string describe(const Key<SensorConfig>& key);
+template std::string describe(const Key<ClassEntry>& key);
 
 std::string default_config_text() {
   AppConfig defaults;

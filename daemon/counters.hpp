@@ -27,10 +27,13 @@ struct Counters {
   std::atomic<bool> store_replaced{false};  // what was on the disk was damaged: the map began empty
   std::atomic<bool> store_failing{false};   // the last commit failed
   std::atomic<std::int64_t> store_commits{0};
-  std::atomic<TimeNs> store_committed_at{0};  // monotonic, of the last one; 0: none yet
-  std::atomic<TimeNs> store_last{0};          // duration of the last one
-  std::atomic<TimeNs> feeder_cpu{0};          // CPU of the sensor thread
-  std::atomic<TimeNs> tracking_cpu{0};        // CPU of the tracking thread
+  std::atomic<TimeNs> store_committed_at{0};    // monotonic, of the last one; 0: none yet
+  std::atomic<TimeNs> store_last{0};            // duration of the last one
+  std::atomic<std::int64_t> views{0};           // frames handed to understanding
+  std::atomic<std::int64_t> views_dropped{0};   // that it was too slow to take
+  std::atomic<std::int64_t> labels_dropped{0};  // likewise
+  std::atomic<TimeNs> feeder_cpu{0};            // CPU of the sensor thread
+  std::atomic<TimeNs> tracking_cpu{0};          // CPU of the tracking thread
 
   void drop(DropReason reason, std::int64_t count = 1) {
     drops[static_cast<std::size_t>(reason)].fetch_add(count, std::memory_order_relaxed);

@@ -4,6 +4,8 @@
 #include <bot_core/pose_t.hpp>
 #include <lcm/lcm-cpp.hpp>
 #include <povslam/health_t.hpp>
+#include <povslam/object_event_t.hpp>
+#include <povslam/object_list_t.hpp>
 #include <povslam/pose_t.hpp>
 
 #include "daemon/messages/channels.hpp"
@@ -24,8 +26,56 @@ void write_quaternion(const Rigid3& T, double* wxyz) {
   wxyz[3] = q.z();
 }
 
+// LCM 1.3.1 loses messages of more than one datagram: this, its header and the channel stay below 1,400 bytes.
+constexpr int kMaxMessageBytes = 1350;
+constexpr std::size_t kMaxNameBytes = 64;  // of a class: a table may hold anything
+
+std::int64_t utime_of(const std::optional<TimeNs>& stamp) {
+  return stamp.value_or(0) / kNsPerUs;
+}
+
+void write_vector(const Eigen::Vector3d& v, double* out) {
+  Eigen::Map<Eigen::Vector3d>{out} = v;
+}
+
+object_t message_of(const ObjectRecord& object) {
+  object_t message;
+  message.id = object.id;
+  message.class_name = object.class_name.substr(0, kMaxNameBytes);
+  write_vector(object.place.position, message.position);
+  message.yaw = object.place.yaw;
+  write_vector(object.size_m, message.size);
+  message.consistency = object.belief.expected_consistency();
+  message.observations = object.observations;
+  message.landmarks = static_cast<std::int32_t>(object.landmarks.size());
+  message.first_seen_utime = object.first_seen / kNsPerUs;
+  message.last_seen_utime = object.last_seen / kNsPerUs;
+  message.first_absent_utime = utime_of(object.first_absent);
+  message.last_absent_utime = utime_of(object.last_absent);
+  return message;
+}
+
 bool has_pose(TrackState state) {
   return state == TrackState::ok || state == TrackState::degraded;
+}
+
+void write_understanding(const UnderstandingHealth& health, health_t& message) {
+  const LabelCounts& labels = health.news.labels;
+  message.views = health.views;
+  message.views_dropped = health.views_dropped;
+  message.views_understood = health.news.views_understood;
+  message.understand_p50_ms = health.view_ms.p50;
+  message.understand_p99_ms = health.view_ms.p99;
+  message.objects = health.news.objects;
+  message.events = health.news.events;
+  message.labels_received = labels.received;
+  message.labels_joined = labels.joined;
+  message.labels_late = labels.late;
+  message.labels_unmatched = labels.unmatched;
+  message.labels_missing = labels.missing;
+  message.labels_bad = labels.bad;
+  message.labels_dropped = health.labels_dropped;
+  message.unknown_label_pixels = labels.unknown_ids;
 }
 
 std::string advice(const std::string& url) {
@@ -49,11 +99,12 @@ struct Publisher::Impl {
     failing = true;
   }
   void send_bot_core(const PoseEstimate& pose);
+  object_list_t empty_part(const ObjectSnapshot& objects) const;
 
   lcm::LCM lcm;
   std::string robot_id;
   std::int64_t session_id = wall_now() / kNsPerUs;
-  std::int64_t health_seq = 0;
+  std::int64_t health_seq = 0, list_seq = 0, snapshot = 0;
   bool failing = false;
   struct Odom {
     TimeNs stamp;
@@ -145,8 +196,63 @@ void Publisher::on_health(const Health& health) {
   message.map_commits = health.store.commits;
   message.map_commit_age_s = health.store.commit_age_s;
   message.map_commit_last_ms = health.store.commit_last_ms;
+  write_understanding(health.understanding, message);
   message.memory_rss_mb = health.memory_rss_mb;
   impl_->send(kHealthChannel, message);
+}
+
+void Publisher::on_event(const ObjectEvent& event) {
+  object_event_t message;
+  message.utime = event.stamp / kNsPerUs;
+  message.seq = event.seq;
+  message.robot_id = impl_->robot_id;
+  message.session_id = impl_->session_id;
+  message.type = static_cast<std::int8_t>(event.type);
+  message.object_id = event.object;
+  message.class_name = event.class_name.substr(0, kMaxNameBytes);
+  const ObjectPlace from = event.from.value_or(ObjectPlace{});
+  write_vector(event.place.position, message.position);
+  message.yaw = event.place.yaw;
+  write_vector(event.size_m, message.size);
+  write_vector(from.position, message.from_position);
+  message.from_yaw = from.yaw;
+  message.consistency = event.consistency;
+  message.probability = event.probability;
+  message.first_absent_utime = utime_of(event.evidence.first_absent);
+  message.last_absent_utime = utime_of(event.evidence.last_absent);
+  message.first_present_utime = event.evidence.first_present / kNsPerUs;
+  message.last_present_utime = event.evidence.last_present / kNsPerUs;
+  impl_->send(kObjectEventChannel, message);
+}
+
+object_list_t Publisher::Impl::empty_part(const ObjectSnapshot& objects) const {
+  object_list_t part;
+  part.utime = objects.stamp / kNsPerUs;
+  part.robot_id = robot_id;
+  part.session_id = session_id;
+  part.snapshot = snapshot;
+  part.num_total = static_cast<std::int32_t>(objects.objects.size());
+  part.num_objects = 0;
+  return part;
+}
+
+void Publisher::on_objects(const ObjectSnapshot& objects) {
+  std::vector<object_list_t> parts{impl_->empty_part(objects)};
+  for (const ObjectRecord& object : objects.objects) {
+    object_t next = message_of(object);
+    if (parts.back().getEncodedSize() + next._getEncodedSizeNoHash() > kMaxMessageBytes) {
+      parts.push_back(impl_->empty_part(objects));
+    }
+    parts.back().objects.push_back(std::move(next));
+    ++parts.back().num_objects;
+  }
+  ++impl_->snapshot;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].seq = impl_->list_seq++;
+    parts[i].part = static_cast<std::int32_t>(i);
+    parts[i].parts = static_cast<std::int32_t>(parts.size());
+    impl_->send(kObjectsChannel, parts[i]);
+  }
 }
 
 }  // namespace povslam

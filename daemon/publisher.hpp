@@ -1,4 +1,5 @@
-// Poses and health as LCM messages: POVSLAM_POSE, POSE (bot_core) and POVSLAM_HEALTH. LCM's door in the daemon.
+// Poses, objects, their events and health as LCM messages: POVSLAM_POSE, POSE (bot_core), POVSLAM_OBJECTS,
+// POVSLAM_OBJECT_EVENT and POVSLAM_HEALTH. LCM's door in the daemon.
 #pragma once
 
 #include <memory>
@@ -19,6 +20,8 @@ class Publisher : public Sink {
 
   void on_frame(const TrackedFrame& frame) override;
   void on_health(const Health& health) override;
+  void on_event(const ObjectEvent& event) override;
+  void on_objects(const ObjectSnapshot& objects) override;
 
  private:
   struct Impl;

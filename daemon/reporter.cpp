@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/thread_name.hpp"
+#include "pipeline/base/log.hpp"
 
 namespace povslam {
 namespace {
@@ -49,16 +50,17 @@ StoreHealth store_health(const Counters& counters, TimeNs now) {
 
 }  // namespace
 
-Reporter::Reporter(const ReporterOptions& options, std::vector<Sink*> sinks, PoseRing& poses, const Counters& counters)
-    : options_(options), sinks_(std::move(sinks)), poses_(poses), counters_(counters) {
-  latencies_ms_.reserve(kMaxSamples);
-  tracking_ms_.reserve(kMaxSamples);
+Reporter::Reporter(const ReporterOptions& options, std::vector<Sink*> sinks, ReportRings& rings,
+                   const Counters& counters)
+    : options_(options), sinks_(std::move(sinks)), rings_(rings), counters_(counters) {
+  for (auto* samples : {&latencies_ms_, &tracking_ms_, &understand_ms_}) samples->reserve(kMaxSamples);
   monitor_ = std::jthread([this](const std::stop_token& stop) { monitor(stop); });
-  publisher_ = std::jthread([this] { publish_frames(); });
+  publisher_ = std::jthread([this] { publish(); });
 }
 
 Reporter::~Reporter() {
-  poses_.close();
+  rings_.poses.close();
+  rings_.world.close();
   publisher_.join();
   monitor_.request_stop();
   monitor_.join();
@@ -69,9 +71,16 @@ void Reporter::watch(const TrackingThread* tracking) {
   tracking_ = tracking;
 }
 
-void Reporter::publish_frames() {
+void Reporter::publish() {
   name_this_thread("publisher");
-  while (const auto frame = poses_.pop()) take(*frame);
+  for (;;) {
+    const std::uint32_t rung = rings_.bell.count();
+    const bool last = rings_.poses.closed() && rings_.world.closed();
+    while (const auto frame = rings_.poses.try_pop()) take(*frame);
+    while (auto report = rings_.world.try_pop()) take(std::move(*report));
+    if (last) return;
+    rings_.bell.wait(rung);
+  }
 }
 
 void Reporter::take(const TrackedFrame& frame) {
@@ -88,15 +97,49 @@ void Reporter::take(const TrackedFrame& frame) {
   }
 }
 
+void Reporter::take(WorldReport&& report) {
+  const std::lock_guard lock(mutex_);
+  if (const auto* event = std::get_if<ObjectEvent>(&report)) {
+    log::info("{}", to_text(*event));
+    for (Sink* sink : sinks_) sink->on_event(*event);
+  } else if (auto* objects = std::get_if<ObjectSnapshot>(&report)) {
+    objects_ = std::move(*objects);
+  } else if (const auto* news = std::get_if<UnderstandingNews>(&report)) {
+    news_ = *news;
+    if (news->total_ms >= 0.0F && understand_ms_.size() < kMaxSamples) understand_ms_.push_back(news->total_ms);
+  }
+}
+
 void Reporter::monitor(const std::stop_token& stop) {
   name_this_thread("monitor");
   std::unique_lock lock(mutex_);
-  while (!stop.stop_requested()) {
-    changed_.wait_for(lock, stop, std::chrono::nanoseconds(options_.health_period), [this] { return state_changed_; });
-    state_changed_ = false;
-    const Health health = collect();
-    for (Sink* sink : sinks_) sink->on_health(health);
+  TimeNs health_due = monotonic_now() + options_.health_period, objects_due = monotonic_now();
+  for (bool last = false; !last;) {
+    const TimeNs wait = std::max<TimeNs>(0, std::min(health_due, objects_due) - monotonic_now());
+    const bool changed =
+        changed_.wait_for(lock, stop, std::chrono::nanoseconds(wait), [this] { return state_changed_; });
+    last = stop.stop_requested();
+    const TimeNs now = monotonic_now();
+    if (last || changed || now >= health_due) {
+      report_health();
+      health_due = now + options_.health_period;
+    }
+    if (last || now >= objects_due) {
+      report_objects();
+      objects_due = now + options_.objects_period;
+    }
   }
+}
+
+void Reporter::report_health() {
+  state_changed_ = false;
+  const Health health = collect();
+  for (Sink* sink : sinks_) sink->on_health(health);
+}
+
+void Reporter::report_objects() {
+  if (!objects_) return;
+  for (Sink* sink : sinks_) sink->on_objects(*objects_);
 }
 
 Health Reporter::collect() {
@@ -122,6 +165,9 @@ Health Reporter::collect() {
   health.backend_runs = counters_.backend_runs.load();
   health.backend_last_ms = to_ms(counters_.backend_last.load());
   health.store = store_health(counters_, now);
+  health.understanding = {counters_.views.load(), counters_.views_dropped.load(), counters_.labels_dropped.load(),
+                          news_, percentiles(understand_ms_)};
+  understand_ms_.clear();
   health.memory_rss_mb = memory_rss_mb();
   return health;
 }

@@ -22,14 +22,20 @@ bool fits(const RgbdFrame& frame, const PinholeCamera& camera) {
          frame.depth.width() == camera.width && frame.depth.height() == camera.height && frame.depth_scale > 0.0F;
 }
 
+// A camera's labels are the sensor right after it.
+bool is_of_camera(const SensorFrame& frame) {
+  return frame.kind == SensorKind::labels && frame.sensor == 1;
+}
+
 }  // namespace
 
 SensorThread::SensorThread(SensorThreadOptions options, std::unique_ptr<Driver> driver, DriverSetup setup,
-                           FrameExchange& frames, Counters& counters, std::function<void()> on_end)
+                           FrameExchange& frames, LabelRing* labels, Counters& counters, std::function<void()> on_end)
     : options_(std::move(options)),
       driver_(std::move(driver)),
       setup_(std::move(setup)),
       frames_(frames),
+      labels_(labels),
       counters_(counters),
       on_end_(std::move(on_end)),
       last_stamp_(std::numeric_limits<TimeNs>::min()) {
@@ -53,7 +59,11 @@ void SensorThread::run(const std::stop_token& stop) {
     counters_.feeder_cpu.store(thread_cpu_now(), std::memory_order_relaxed);
     switch (next.kind) {
       case Next::Kind::frame:
-        if (accept(frame)) submit();
+        if (labels_ != nullptr && is_of_camera(frame)) {
+          hand_over_labels(frame);
+        } else if (accept(frame)) {
+          submit();
+        }
         break;
       case Next::Kind::bad:
         if (counters_.dropped(DropReason::bad_frame) == 0) log::warn("{}: {}", options_.name, next.message);
@@ -96,6 +106,10 @@ bool SensorThread::accept(SensorFrame& frame) {
   }
   last_stamp_ = frame.rgbd.stamp;
   return true;
+}
+
+void SensorThread::hand_over_labels(SensorFrame& frame) {
+  if (!labels_->try_push(std::move(frame.labels))) counters_.labels_dropped.fetch_add(1, std::memory_order_relaxed);
 }
 
 void SensorThread::submit() {

@@ -11,6 +11,7 @@
 
 #include "daemon/counters.hpp"
 #include "daemon/frame_exchange.hpp"
+#include "daemon/label_ring.hpp"
 #include "drivers/driver.hpp"
 
 namespace povslam {
@@ -23,9 +24,10 @@ struct SensorThreadOptions {
 
 class SensorThread {
  public:
-  // `driver` is open, `setup` what open() said. `on_end` is called once, on the sensor thread, when the stream is over.
+  // `driver` is open, `setup` what open() said. labels: for what the driver says of the camera's images; null: unused.
+  // `on_end` is called once, on the sensor thread, when the stream is over.
   SensorThread(SensorThreadOptions options, std::unique_ptr<Driver> driver, DriverSetup setup, FrameExchange& frames,
-               Counters& counters, std::function<void()> on_end);
+               LabelRing* labels, Counters& counters, std::function<void()> on_end);
   ~SensorThread();  // stops, joins, closes the driver
 
   SensorThread(const SensorThread&) = delete;
@@ -34,6 +36,7 @@ class SensorThread {
  private:
   void run(const std::stop_token& stop);
   bool accept(SensorFrame& frame);
+  void hand_over_labels(SensorFrame& frame);
   void submit();
   bool reopen(const std::stop_token& stop, const std::string& why);
   bool try_open(std::string& why);
@@ -43,6 +46,7 @@ class SensorThread {
   std::unique_ptr<Driver> driver_;
   DriverSetup setup_;
   FrameExchange& frames_;
+  LabelRing* labels_;
   Counters& counters_;
   std::function<void()> on_end_;
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "daemon/counters.hpp"
+#include "daemon/world_report.hpp"
 #include "pipeline/output.hpp"
 
 namespace povslam {
@@ -29,6 +30,13 @@ struct StoreHealth {
   double commit_last_ms = 0.0;
 };
 
+struct UnderstandingHealth {  // all 0 while it is off
+  std::int64_t views = 0, views_dropped = 0;
+  std::int64_t labels_dropped = 0;
+  UnderstandingNews news;  // the last
+  Percentiles view_ms;     // CPU a view, of the period since the report before
+};
+
 struct Health {
   TrackState state = TrackState::initialising;  // of the last frame
   bool tracking_alive = true;
@@ -44,6 +52,7 @@ struct Health {
   std::int64_t backend_runs = 0;
   double backend_last_ms = 0.0;
   StoreHealth store;
+  UnderstandingHealth understanding;
   double memory_rss_mb = 0.0;
 };
 
@@ -57,6 +66,8 @@ class Sink {
   virtual ~Sink() = default;
   virtual void on_frame(const TrackedFrame& /*frame*/) {}
   virtual void on_health(const Health& /*health*/) {}
+  virtual void on_event(const ObjectEvent& /*event*/) {}
+  virtual void on_objects(const ObjectSnapshot& /*objects*/) {}  // all that stand, again and again
 };
 
 }  // namespace povslam

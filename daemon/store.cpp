@@ -27,9 +27,13 @@ struct MapStore::Impl {
   void connect();
   void disconnect();
   void recover();
-  MapContent read();
-  std::optional<std::string> try_read(MapContent& content);
-  CommitReport commit(const MapChange& change);
+  struct Content {
+    MapContent map;
+    WorldContent world;
+  };
+  Content read();
+  std::optional<std::string> try_read(Content& content);
+  CommitReport commit(const MapChange* map, const WorldChange* world);
 };
 
 namespace {
@@ -86,22 +90,25 @@ void MapStore::Impl::connect() {
   database = open_database(file, mode);
   version = prepare(*database, mode);
   if (mode == StoreMode::read_only) return;
-  writer.emplace(*database, version);
+  writer.emplace(*database);
   database->fold_log_on_close(true);
 }
 
-MapContent MapStore::Impl::read() {
+MapStore::Impl::Content MapStore::Impl::read() {
   const Transaction snapshot(*database, Transaction::Kind::read);
-  return read_content(*database, version);
+  Content content;
+  content.map = read_map(*database, version);
+  content.world = read_world(*database, version, content.map.meta.next_landmark);
+  return content;
 }
 
-CommitReport MapStore::Impl::commit(const MapChange& change) {
+CommitReport MapStore::Impl::commit(const MapChange* map, const WorldChange* world) {
   if (suspect) recover();
   if (database->moved()) {
     throw StoreFault{false, file.string() + ": was removed or renamed while in use; put it back, or restart"};
   }
   Transaction transaction(*database, Transaction::Kind::write);
-  CommitReport report = writer->write(change);
+  CommitReport report = writer->write(map, world);
   transaction.commit();
   return report;
 }
@@ -126,7 +133,7 @@ Result<MapStore> MapStore::open(const std::filesystem::path& file, StoreMode mod
 }
 
 // Connects and reads. Damage comes back as what is wrong; the file is then as it was found.
-std::optional<std::string> MapStore::Impl::try_read(MapContent& content) {
+std::optional<std::string> MapStore::Impl::try_read(Content& content) {
   try {
     connect();
     content = read();
@@ -147,7 +154,7 @@ Result<OpenedStore> open_or_quarantine(const std::filesystem::path& file) {
   if (!made) return made.error();
   MapStore::Impl& impl = **made;
   return at_the_door(impl.file, [&] {
-    MapContent content;
+    MapStore::Impl::Content content;
     std::filesystem::path quarantined;
     create_if_missing(impl.file);
     std::optional<std::string> damage = impl.try_read(content);
@@ -158,17 +165,28 @@ Result<OpenedStore> open_or_quarantine(const std::filesystem::path& file) {
       impl.connect();
       content = impl.read();
     }
-    return OpenedStore{MapStore(std::move(*made)), std::move(content), std::move(quarantined)};
+    return OpenedStore{MapStore(std::move(*made)), std::move(content.map), std::move(content.world),
+                       std::move(quarantined)};
   });
 }
 
 Result<MapContent> MapStore::load() {
-  return at_the_door(impl_->file, [this] { return impl_->read(); });
+  return at_the_door(impl_->file, [this] {
+    const Transaction snapshot(*impl_->database, Transaction::Kind::read);
+    return read_map(*impl_->database, impl_->version);
+  });
 }
 
-Result<CommitReport> MapStore::commit(const MapChange& change) {
+Result<WorldContent> MapStore::load_world() {
+  return at_the_door(impl_->file, [this] {
+    const Transaction snapshot(*impl_->database, Transaction::Kind::read);
+    return read_world(*impl_->database, impl_->version, read_meta_row(*impl_->database).map.next_landmark);
+  });
+}
+
+Result<CommitReport> MapStore::commit(const MapChange* map, const WorldChange* world) {
   EXPECTS(impl_->mode == StoreMode::read_write);
-  Result<CommitReport> done = at_the_door(impl_->file, [&] { return impl_->commit(change); });
+  Result<CommitReport> done = at_the_door(impl_->file, [&] { return impl_->commit(map, world); });
   impl_->suspect = !done;
   return done;
 }
@@ -184,6 +202,7 @@ Result<StoreInfo> MapStore::info() {
     info.created = meta.created;
     info.committed = meta.committed;
     info.meta = meta.map;
+    info.world = read_world_meta_row(*impl_->database, impl_->version);
     info.tables = read_totals(*impl_->database, impl_->version);
     std::error_code failed;
     info.file_bytes = std::filesystem::file_size(impl_->file, failed);

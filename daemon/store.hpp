@@ -1,8 +1,8 @@
 // The map on disk: one SQLite file that always holds a whole state of the map. What was committed stays whatever
 // happens to the process; a file whose content is not what was written is never believed.
 //
-//   auto opened = open_or_quarantine(file);   opened->content: the map so far
-//   each few seconds:  opened->store.commit(change);
+//   auto opened = open_or_quarantine(file);   opened->content: the map so far; opened->world: what stands in it
+//   each few seconds:  opened->store.commit(map_change, world_change);
 //
 // One MapStore writes at a time (a lock file beside the store says so); any number may read beside it. An object
 // belongs to one thread at a time. Rows of a table are checked one by one (CRC-32C) and as a whole (how many, and
@@ -18,6 +18,7 @@
 
 #include "pipeline/base/result.hpp"
 #include "pipeline/frontend/map_rows.hpp"
+#include "pipeline/objects/world_rows.hpp"
 
 namespace povslam {
 
@@ -29,6 +30,7 @@ struct StoreInfo {
   std::uint64_t commits = 0;
   TimeNs created = 0, committed = 0;  // wall clock; of the store, of the last commit
   MapMeta meta;
+  WorldMeta world;
   std::uintmax_t file_bytes = 0, log_bytes = 0;  // the log: committed, not yet brought into the file
   struct Rows {
     const char* table;
@@ -51,15 +53,18 @@ class MapStore {
   MapStore(MapStore&&) noexcept;
   MapStore& operator=(MapStore&&) noexcept;
 
-  // The whole map as of the last commit, everything checked. What lost its other half (features without their
-  // keyframe, a landmark without its anchor) is left out.
+  // The whole as of the last commit, everything that is read checked. What lost its other half (features without their
+  // keyframe, a landmark without its anchor, voxels without their object) is left out.
   Result<MapContent> load();
+  Result<WorldContent> load_world();
 
-  // All of the change or nothing; on the disk (fsync) when it returns. What is both set and removed is removed.
-  // Failed: nothing changed, try the same again later.
-  Result<CommitReport> commit(const MapChange& change);
+  // All of the change or nothing; on the disk (fsync) when it returns. Both together are one change. What is both set
+  // and removed is removed. Failed: nothing changed, try the same again later.
+  Result<CommitReport> commit(const MapChange& map) { return commit(&map, nullptr); }
+  Result<CommitReport> commit(const WorldChange& world) { return commit(nullptr, &world); }
+  Result<CommitReport> commit(const MapChange* map, const WorldChange* world);  // null: nothing of that kind
 
-  // Reads the whole store, as load() does.
+  // Reads the whole store, as loading does.
   Result<StoreInfo> info();
 
   const std::filesystem::path& file() const;
@@ -74,6 +79,7 @@ class MapStore {
 struct OpenedStore {
   MapStore store;
   MapContent content;
+  WorldContent world;
   std::filesystem::path quarantined;  // what the damaged store is called now; empty: it was not
 };
 

@@ -69,6 +69,7 @@ class ByteReader {
     return 0;
   }
 
+  void fail() { ok_ = false; }  // what was read cannot be
   std::size_t left() const { return ok_ ? bytes_.size() - at_ : 0; }
   bool ok() const { return ok_; }
   bool at_end() const { return ok_ && at_ == bytes_.size(); }

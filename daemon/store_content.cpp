@@ -4,6 +4,9 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "daemon/store_read.hpp"
+#include "daemon/store_schema.hpp"
+
 namespace povslam {
 namespace {
 
@@ -20,30 +23,6 @@ std::int64_t id_of(const LandmarkLook& row) {
   return row.landmark;
 }
 
-// Reads a whole table into `rows`; `read` makes a row of bytes.
-template <class Row, class Read>
-void read_table(Database& database, Table table, const Manifest& manifest, const MapMeta& meta, Read&& read,
-                std::vector<Row>& rows) {
-  TableReader reader(database, table);
-  while (reader.next()) {
-    std::optional<Row> row = read(reader.id(), reader.data());
-    if (!row) {
-      database.fail_damaged(std::string("table ") + name_of(table) + ", row " + std::to_string(reader.id()) +
-                            ": its layout is unknown");
-    }
-    if (const auto fault = fault_in(*row, meta)) database.fail_damaged(*fault);
-    rows.push_back(std::move(*row));
-  }
-  reader.check_total(manifest);
-}
-
-void check_table(Database& database, Table table, const Manifest& manifest) {
-  TableReader reader(database, table);
-  while (reader.next()) {
-  }
-  reader.check_total(manifest);
-}
-
 }  // namespace
 
 StoredMeta read_meta_row(Database& database) {
@@ -54,7 +33,7 @@ StoredMeta read_meta_row(Database& database) {
   return *meta;
 }
 
-MapContent read_content(Database& database, int version) {
+MapContent read_map(Database& database, int version) {
   const Manifest manifest = read_manifest(database, version);
   MapContent content;
   content.meta = read_meta_row(database).map;
@@ -63,9 +42,7 @@ MapContent read_content(Database& database, int version) {
   read_table(database, Table::keyframes, manifest, meta, read_keyframe, content.keyframes);
   read_table(database, Table::landmarks, manifest, meta, read_landmark, content.landmarks);
   read_table(database, Table::looks, manifest, meta, read_look, content.looks);
-  for (const Table table : {Table::steps, Table::meta, Table::objects, Table::voxel_blocks, Table::events}) {
-    if (since_version(table) <= version) check_table(database, table, manifest);
-  }
+  for (const Table table : {Table::steps, Table::meta}) check_table(database, table, manifest);
   drop_loose_ends(content);
   return content;
 }
@@ -101,9 +78,9 @@ void drop_loose_ends(MapContent& content) {
   for (LandmarkRow& row : content.landmarks) row.has_patch = row.has_patch && looks.contains(row.landmark);
 }
 
-ContentWriter::ContentWriter(Database& database, int version)
+ContentWriter::ContentWriter(Database& database)
     : database_(database),
-      version_(version),
+      world_(database),
       meta_(database, Table::meta),
       features_(database, Table::features),
       keyframes_(database, Table::keyframes),
@@ -124,13 +101,15 @@ void ContentWriter::put_all(TableWriter& table, const std::vector<Row>& rows, co
 }
 
 // Ids once given out stay so, whatever the change says: rows of before are judged by them.
-StoredMeta ContentWriter::put_meta(const MapMeta& meta) {
+StoredMeta ContentWriter::put_meta(const MapChange* map) {
   StoredMeta stored = read_meta_row(database_);
-  const std::int64_t next_keyframe = std::max(stored.map.next_keyframe, meta.next_keyframe);
-  const std::int64_t next_landmark = std::max(stored.map.next_landmark, meta.next_landmark);
-  stored.map = meta;
-  stored.map.next_keyframe = next_keyframe;
-  stored.map.next_landmark = next_landmark;
+  if (map != nullptr) {
+    const std::int64_t next_keyframe = std::max(stored.map.next_keyframe, map->meta.next_keyframe);
+    const std::int64_t next_landmark = std::max(stored.map.next_landmark, map->meta.next_landmark);
+    stored.map = map->meta;
+    stored.map.next_keyframe = next_keyframe;
+    stored.map.next_landmark = next_landmark;
+  }
   ++stored.commits;
   stored.committed = wall_now();
   write_row(stored, bytes_);
@@ -138,15 +117,22 @@ StoredMeta ContentWriter::put_meta(const MapMeta& meta) {
   return stored;
 }
 
-CommitReport ContentWriter::write(const MapChange& change) {
-  manifest_ = read_manifest(database_, version_);
-  const StoredMeta meta = put_meta(change.meta);
+CommitReport ContentWriter::write(const MapChange* map, const WorldChange* world) {
+  manifest_ = read_manifest(database_, kSchemaVersion);
+  const StoredMeta meta = put_meta(map);
   CommitReport report;
   report.number = meta.commits;
-  put_all(features_, change.features, meta.map, report);
-  put_all(keyframes_, change.keyframes, meta.map, report);
-  put_all(landmarks_, change.landmarks, meta.map, report);
-  put_all(looks_, change.looks, meta.map, report);
+  if (map != nullptr) write_map(*map, meta.map, report);
+  if (world != nullptr) world_.write(*world, manifest_, report);
+  write_manifest(database_, kSchemaVersion, manifest_);
+  return report;
+}
+
+void ContentWriter::write_map(const MapChange& change, const MapMeta& meta, CommitReport& report) {
+  put_all(features_, change.features, meta, report);
+  put_all(keyframes_, change.keyframes, meta, report);
+  put_all(landmarks_, change.landmarks, meta, report);
+  put_all(looks_, change.looks, meta, report);
   for (const std::int64_t id : change.removed_keyframes) {
     features_.remove(id, manifest_);
     keyframes_.remove(id, manifest_);
@@ -155,8 +141,6 @@ CommitReport ContentWriter::write(const MapChange& change) {
     landmarks_.remove(id, manifest_);
     looks_.remove(id, manifest_);
   }
-  write_manifest(database_, version_, manifest_);
-  return report;
 }
 
 }  // namespace povslam

@@ -4,13 +4,14 @@
 #include "daemon/store.hpp"
 #include "daemon/store_rows.hpp"
 #include "daemon/store_table.hpp"
+#include "daemon/store_world.hpp"
 
 namespace povslam {
 
 StoredMeta read_meta_row(Database& database);
 
 // Within a read transaction. Damage is thrown; loose ends are left out.
-MapContent read_content(Database& database, int version);
+MapContent read_map(Database& database, int version);
 std::vector<StoreInfo::Rows> read_totals(Database& database, int version);
 
 // What lost its other half: features and keyframes that do not belong together, landmarks without anchor, looks without
@@ -20,18 +21,20 @@ void drop_loose_ends(MapContent& content);
 // The statements that put changes in, prepared once.
 class ContentWriter {
  public:
-  ContentWriter(Database& database, int version);
-  CommitReport write(const MapChange& change);  // within a write transaction
+  explicit ContentWriter(Database& database);
+  // Within a write transaction; null: nothing of that kind.
+  CommitReport write(const MapChange* map, const WorldChange* world);
 
  private:
   template <class Row>
   void put_all(TableWriter& table, const std::vector<Row>& rows, const MapMeta& meta, CommitReport& report);
-  StoredMeta put_meta(const MapMeta& meta);
+  StoredMeta put_meta(const MapChange* map);
+  void write_map(const MapChange& change, const MapMeta& meta, CommitReport& report);
 
   Database& database_;
-  int version_;
   Manifest manifest_{};
   Bytes bytes_;
+  WorldWriter world_;
   TableWriter meta_, features_, keyframes_, landmarks_, looks_;
 };
 

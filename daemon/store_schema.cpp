@@ -17,6 +17,7 @@ struct Step {
 constexpr Step kSteps[] = {
     {1, "keyframes, landmarks and their looks"},
     {2, "room for objects, voxel blocks and events"},
+    {3, "objects, voxel blocks, empty cells and events"},
 };
 static_assert(kSteps[std::size(kSteps) - 1].version == kSchemaVersion);
 

@@ -6,7 +6,7 @@
 
 namespace povslam {
 
-inline constexpr int kSchemaVersion = 2;
+inline constexpr int kSchemaVersion = 3;
 
 // Of a store that is one: damage when the file is something else or its form is not that of its version; a fault that
 // is none when it is newer than kSchemaVersion.

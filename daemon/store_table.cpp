@@ -6,8 +6,10 @@
 namespace povslam {
 namespace {
 
-constexpr std::array<const char*, kNumTables> kNames = {"steps", "meta",    "features",     "keyframes", "landmarks",
-                                                        "looks", "objects", "voxel_blocks", "events"};
+constexpr std::array<const char*, kNumTables> kNames = {"steps",     "meta",  "features",   "keyframes",
+                                                        "landmarks", "looks", "objects",    "voxel_blocks",
+                                                        "events",    "world", "empty_cells"};
+constexpr std::uint64_t kMarkStride = 9;  // in every store so far; the sums of tables are apart
 constexpr std::uint8_t kManifestLayout = 1;
 constexpr std::uint8_t kManifestTag = 255;  // in its rows' checksums, where tables have their number
 
@@ -41,7 +43,7 @@ const char* name_of(Table table) {
 }
 
 int since_version(Table table) {
-  return table >= Table::objects ? 2 : 1;
+  return table >= Table::world ? 3 : table >= Table::objects ? 2 : 1;
 }
 
 std::uint32_t checksum(Table table, std::int64_t id, std::span<const std::uint8_t> data) {
@@ -49,7 +51,7 @@ std::uint32_t checksum(Table table, std::int64_t id, std::span<const std::uint8_
 }
 
 std::uint64_t row_mark(Table table, std::int64_t id, std::uint32_t checksum) {
-  return spread(spread(static_cast<std::uint64_t>(id) * kNumTables + index(table) + 1) + checksum);
+  return spread(spread(static_cast<std::uint64_t>(id) * kMarkStride + index(table) + 1) + checksum);
 }
 
 Manifest read_manifest(const Database& database, int version) {
@@ -88,7 +90,9 @@ TableWriter::TableWriter(const Database& database, Table table)
     : table_(table),
       find_(database, sql("SELECT crc FROM ", table, " WHERE id = ?")),
       put_(database, sql("INSERT OR REPLACE INTO ", table, "(id, data, crc) VALUES(?, ?, ?)")),
-      remove_(database, sql("DELETE FROM ", table, " WHERE id = ?")) {}
+      remove_(database, sql("DELETE FROM ", table, " WHERE id = ?")),
+      find_all_(database, sql("SELECT id, crc FROM ", table, " WHERE id BETWEEN ? AND ?")),
+      remove_all_(database, sql("DELETE FROM ", table, " WHERE id BETWEEN ? AND ?")) {}
 
 void TableWriter::forget(std::int64_t id, TableTotal& total) {
   if (find_.bind(0, id).step()) {
@@ -110,6 +114,17 @@ void TableWriter::put(std::int64_t id, std::span<const std::uint8_t> data, Manif
 void TableWriter::remove(std::int64_t id, Manifest& manifest) {
   forget(id, manifest[index(table_)]);
   remove_.bind(0, id).run();
+}
+
+void TableWriter::remove_all(std::int64_t first, std::int64_t last, Manifest& manifest) {
+  TableTotal& total = manifest[index(table_)];
+  find_all_.bind(0, first).bind(1, last);
+  while (find_all_.step()) {
+    --total.rows;
+    total.sum -= row_mark(table_, find_all_.number(0), static_cast<std::uint32_t>(find_all_.number(1)));
+  }
+  find_all_.reset();
+  remove_all_.bind(0, first).bind(1, last).run();
 }
 
 TableReader::TableReader(const Database& database, Table table)

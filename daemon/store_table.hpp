@@ -19,13 +19,15 @@ enum class Table : std::uint8_t {
   landmarks,
   looks,  // by landmark
   objects,
-  voxel_blocks,
-  events
+  voxel_blocks,  // numbers: store_world_rows.hpp
+  events,        // by sequence number
+  world,         // one row, or none while nothing of objects and voxels was stored
+  empty_cells    // numbers: store_world_rows.hpp
 };
-inline constexpr std::size_t kNumTables = 9;
-inline constexpr std::array<Table, kNumTables> kAllTables = {Table::steps,     Table::meta,         Table::features,
-                                                             Table::keyframes, Table::landmarks,    Table::looks,
-                                                             Table::objects,   Table::voxel_blocks, Table::events};
+inline constexpr std::size_t kNumTables = 11;
+inline constexpr std::array<Table, kNumTables> kAllTables = {
+    Table::steps,   Table::meta,         Table::features, Table::keyframes, Table::landmarks,  Table::looks,
+    Table::objects, Table::voxel_blocks, Table::events,   Table::world,     Table::empty_cells};
 
 const char* name_of(Table table);
 int since_version(Table table);  // of the schema
@@ -50,13 +52,14 @@ class TableWriter {
  public:
   TableWriter(const Database& database, Table table);
   void put(std::int64_t id, std::span<const std::uint8_t> data, Manifest& manifest);
-  void remove(std::int64_t id, Manifest& manifest);  // one that is not there: nothing
+  void remove(std::int64_t id, Manifest& manifest);                            // one that is not there: nothing
+  void remove_all(std::int64_t first, std::int64_t last, Manifest& manifest);  // first <= number <= last
 
  private:
   void forget(std::int64_t id, TableTotal& total);
 
   Table table_;
-  Statement find_, put_, remove_;
+  Statement find_, put_, remove_, find_all_, remove_all_;
 };
 
 // Walks a table in order of the numbers and checks each row; check_total() at the end.

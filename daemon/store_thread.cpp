@@ -9,11 +9,20 @@
 
 namespace povslam {
 
-StoreThread::StoreThread(MapStore store, SpscRing<MapChange*>& taken, SpscRing<MapChange*>& stored, Counters& counters,
-                         const StoreThreadOptions& options)
+namespace {
+
+template <class Change>
+void give_back(ChangeWay<Change>& way, Change* change) {
+  if (change == nullptr) return;
+  const bool given_back = way.stored.try_push(std::move(change));
+  EXPECTS(given_back);  // the ring holds as many as can be out at once
+}
+
+}  // namespace
+
+StoreThread::StoreThread(MapStore store, ChangeRings& changes, Counters& counters, const StoreThreadOptions& options)
     : store_(std::move(store)),
-      taken_(taken),
-      stored_(stored),
+      changes_(changes),
       counters_(counters),
       options_(options),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -25,37 +34,46 @@ StoreThread::~StoreThread() {
 bool StoreThread::finish() {
   if (thread_.joinable()) {
     thread_.request_stop();
-    taken_.close();
+    changes_.close();
     thread_.join();
     if (failing_) log::error("{}: the last changes of the map are not stored", store_.file().string());
   }
   return !failing_;
 }
 
-bool StoreThread::commit_rest(const MapChange& rest) {
+bool StoreThread::commit_rest(const MapChange* map, const WorldChange* world) {
   EXPECTS(!thread_.joinable());
-  const bool done = commit(rest);
+  const bool done = commit(map, world);
   if (!done) log::error("{}: the last changes of the map are not stored", store_.file().string());
   return done;
 }
 
 void StoreThread::run(const std::stop_token& stop) {
   name_this_thread("store");
-  while (auto change = taken_.pop()) {
+  for (;;) {
+    const std::uint32_t rung = changes_.bell.count();
+    const bool last = changes_.map.taken.closed() && changes_.world.taken.closed();
+    MapChange* map = changes_.map.taken.try_pop().value_or(nullptr);
+    WorldChange* world = changes_.world.taken.try_pop().value_or(nullptr);
+    if (map == nullptr && world == nullptr) {
+      if (last) return;
+      changes_.bell.wait(rung);
+      continue;
+    }
     TimeNs wait = options_.first_pause;
-    while (!commit(**change)) {
+    while (!commit(map, world)) {
       if (stop.stop_requested()) return;
       pause(stop, wait);
       wait = std::min(2 * wait, options_.longest_pause);
     }
-    const bool given_back = stored_.try_push(std::move(*change));
-    EXPECTS(given_back);  // the ring holds as many as can be out at once
+    give_back(changes_.map, map);
+    give_back(changes_.world, world);
   }
 }
 
-bool StoreThread::commit(const MapChange& change) {
+bool StoreThread::commit(const MapChange* map, const WorldChange* world) {
   const TimeNs begun = monotonic_now();
-  const Result<CommitReport> done = store_.commit(change);
+  const Result<CommitReport> done = store_.commit(map, world);
   const TimeNs now = monotonic_now();
   if (done) {
     counters_.store_last.store(now - begun, std::memory_order_relaxed);

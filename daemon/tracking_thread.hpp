@@ -2,12 +2,16 @@
 // nothing else: no log, no LCM, no lock of ours, and once warm no allocation.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <thread>
 
+#include "daemon/change_rings.hpp"
 #include "daemon/counters.hpp"
 #include "daemon/frame_exchange.hpp"
-#include "daemon/sink.hpp"
+#include "daemon/report_rings.hpp"
+#include "daemon/understanding_outlet.hpp"
+#include "daemon/view_exchange.hpp"
 #include "pipeline/pipeline.hpp"
 
 namespace povslam {
@@ -18,21 +22,23 @@ struct TrackingProbe {
   void (*pose_handed_over)() = nullptr;
 };
 
-using PoseRing = SpscRing<TrackedFrame>;
 using JobRing = SpscRing<BackendJob>;
-using ChangeRing = SpscRing<MapChange*>;
 
-// Changes of the map on their way to the disk and back; null: nobody stores it.
-struct ChangeOutlet {
-  ChangeRing* taken = nullptr;
-  ChangeRing* stored = nullptr;
+// How the thread is tied to the others. All outlive it.
+struct TrackingLinks {
+  FrameExchange& frames;
+  PoseRing& poses;
+  JobRing& asked;                           // jobs to solve
+  JobRing& solved;                          // the answers
+  ChangeWay<MapChange>* changes = nullptr;  // of the map, to the disk; null: nobody stores it
+  ViewExchange* views = nullptr;            // frames to be understood…
+  OwnerRing* owners = nullptr;              // …and what came of it; both null: nobody understands
 };
 
 class TrackingThread {
  public:
-  // asked: jobs to solve, solved: the answers. The pipeline is this thread's alone until it is destroyed.
-  TrackingThread(Pipeline& pipeline, FrameExchange& frames, PoseRing& poses, JobRing& asked, JobRing& solved,
-                 ChangeOutlet changes, Counters& counters, TrackingProbe probe);
+  // The pipeline is this thread's alone until it is destroyed.
+  TrackingThread(Pipeline& pipeline, const TrackingLinks& links, Counters& counters, TrackingProbe probe);
   ~TrackingThread();  // closes the exchange, tracks what is inside, joins
 
   TrackingThread(const TrackingThread&) = delete;
@@ -47,16 +53,15 @@ class TrackingThread {
   void localise(const SensorFrame& frame);
   void ask_backend();
   void hand_out_change();
+  void hand_out_view(const RgbdFrame& frame);
+  void take_owners();
 
   Pipeline& pipeline_;
-  FrameExchange& frames_;
-  PoseRing& poses_;
-  JobRing& asked_;
-  JobRing& solved_;
-  ChangeOutlet changes_;
+  TrackingLinks links_;
   Counters& counters_;
   TrackingProbe probe_;
   TrackedFrame out_;
+  std::array<LandmarkOwner, 512> owners_;        // of one turn: more wait for the next
   std::atomic<TimeNs> busy_since_{0};            // monotonic; 0: waiting for a frame
   mutable std::atomic<TimeNs> waking_since_{0};  // monotonic; since when it has been seen waiting beside a frame
   std::jthread thread_;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/label_table.hpp"
 #include "pipeline/base/result.hpp"
 #include "pipeline/frames/sensor_frame.hpp"
 
@@ -19,6 +20,7 @@ struct DriverSetup {
   std::vector<SensorCalibration> sensors;      // index = SensorFrame::sensor
   std::optional<Rigid3> T_world_camera_start;  // pose of sensor 0 at its first frame, if the source knows it
   std::optional<std::size_t> num_frames;       // how many frames of sensor 0 will come, if known
+  std::optional<LabelTable> label_table;       // what the ids of its label frames mean; unset: none come, or not known
   bool paced = false;                          // true: next() delivers at the real rate (a device, a simulated device)
 };
 

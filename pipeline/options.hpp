@@ -4,7 +4,9 @@
 #include "pipeline/backend/close_loop.hpp"
 #include "pipeline/backend/smooth.hpp"
 #include "pipeline/frontend/options.hpp"
+#include "pipeline/mapping/empty_space.hpp"
 #include "pipeline/mapping/integrate.hpp"
+#include "pipeline/objects/options.hpp"
 #include "pipeline/objects/segment.hpp"
 
 namespace povslam {
@@ -19,11 +21,14 @@ struct UnderstandingOptions {
   std::string labels = "auto";       // off; geometric; replay: frames of the driver; auto: those, else geometric
   double period_s = 0.2;             // between two views
   double label_max_latency_s = 3.0;  // a view waits so long for its labels
+  double change_period_s = 2.0;      // between two takings of what changed, for the store
   DepthViewOptions view;
   SegmentOptions segment;
   VolumeOptions structure;
   VolumeOptions object{0.05, 0.2, 400};
   IntegrateOptions integrate;
+  EmptySpaceOptions empty;
+  ObjectOptions objects;
 };
 
 struct PipelineOptions {

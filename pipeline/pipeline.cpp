@@ -8,7 +8,8 @@ struct Pipeline::Impl {
   Impl(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start,
        const MapContent* map)
       : T_camera_body(calibration.T_body_sensor.inverse()),
-        tracker(calibration, options.frontend, T_world_body_start * calibration.T_body_sensor, map) {
+        tracker(calibration, options.frontend, T_world_body_start * calibration.T_body_sensor, map),
+        view_period(from_seconds(options.understanding.period_s)) {
     T_odom_start = T_world_body_start * calibration.T_body_sensor;
   }
 
@@ -16,6 +17,8 @@ struct Pipeline::Impl {
   Rigid3 T_odom_start;  // odom begins where the world does
   Tracker tracker;
   PoseEstimate estimate;
+  TimeNs view_period;
+  std::optional<TimeNs> last_view;
 };
 
 Pipeline::Pipeline(const PipelineOptions& options, const SensorCalibration& calibration,
@@ -77,6 +80,38 @@ MapChange* Pipeline::collect_change() {
 }
 void Pipeline::give_back(MapChange* change) {
   impl_->tracker.give_back(change);
+}
+
+bool Pipeline::view_due() const {
+  const PoseEstimate& pose = impl_->estimate;
+  if (pose.state != TrackState::ok && pose.state != TrackState::degraded) return false;
+  constexpr TimeNs kJitter = 5 * kNsPerMs;  // of frame stamps about their period
+  return !impl_->last_view || pose.stamp - *impl_->last_view >= impl_->view_period - kJitter;
+}
+
+void Pipeline::fill_view(const RgbdFrame& frame, View& view) {
+  const PoseEstimate& pose = impl_->estimate;
+  EXPECTS(frame.stamp == pose.stamp);
+  impl_->last_view = frame.stamp;
+  view.frame = frame;
+  view.T_world_camera = pose.T_world_camera;
+  view.covariance = pose.covariance;
+  view.trusted = pose.state == TrackState::ok;
+  view.map_version = pose.map_version;
+  view.landmarks.clear();
+  const Frame& seen = impl_->tracker.frame();
+  const Map& map = impl_->tracker.map();
+  for (int i = 0; i < seen.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (seen.landmark[k] == kNone) continue;
+    const Landmark& landmark = map.landmark(seen.landmark[k]);
+    view.landmarks.push_back(
+        {landmark.id, seen.landmark[k], seen.x[k], seen.y[k], seen.inverse_depth[k], landmark.p_world});
+  }
+}
+
+void Pipeline::take_owners(std::span<const LandmarkOwner> owners) {
+  for (const LandmarkOwner& owner : owners) impl_->tracker.set_owner(owner.slot, owner.landmark, owner.object);
 }
 
 std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {

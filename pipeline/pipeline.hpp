@@ -9,11 +9,13 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "pipeline/backend_job.hpp"
 #include "pipeline/frames/calibration.hpp"
 #include "pipeline/frames/rgbd_frame.hpp"
 #include "pipeline/frontend/map_rows.hpp"
+#include "pipeline/objects/view.hpp"
 #include "pipeline/options.hpp"
 #include "pipeline/output.hpp"
 
@@ -42,6 +44,13 @@ class Pipeline {
   MapChange* take_change();
   MapChange* collect_change();
   void give_back(MapChange* change);
+
+  // After localise(): whether the frame should be understood (Understanding): it has a pose, and
+  // understanding.period_s have passed since the last view filled. fill_view() reuses the view's buffers.
+  bool view_due() const;
+  void fill_view(const RgbdFrame& frame, View& view);
+  // Which objects landmarks belong to, as Understood said.
+  void take_owners(std::span<const LandmarkOwner> owners);
 
   // Present pose of a keyframe named by a PoseEstimate (also of one merged away since), T_world_camera.
   std::optional<Rigid3> keyframe_pose(std::int64_t keyframe) const;

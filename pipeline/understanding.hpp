@@ -14,6 +14,7 @@
 #include "pipeline/frames/label_frame.hpp"
 #include "pipeline/mapping/mesh.hpp"
 #include "pipeline/objects/class_table.hpp"
+#include "pipeline/objects/label_join.hpp"
 #include "pipeline/objects/object_event.hpp"
 #include "pipeline/objects/view.hpp"
 #include "pipeline/objects/world_rows.hpp"
@@ -23,15 +24,6 @@ namespace povslam {
 
 struct UnderstandTimes {  // CPU of the calling thread [ms]
   float segment_ms = 0.0F, associate_ms = 0.0F, integrate_ms = 0.0F, total_ms = 0.0F;
-};
-
-struct LabelCounts {
-  std::int64_t received = 0, joined = 0;
-  std::int64_t late = 0;         // their view was given up before
-  std::int64_t unmatched = 0;    // no view was taken at their stamp
-  std::int64_t missing = 0;      // views that went on without labels
-  std::int64_t bad = 0;          // wrong size, not increasing, from the future
-  std::int64_t unknown_ids = 0;  // pixels
 };
 
 struct Understood {  // of one view

@@ -75,6 +75,7 @@ Result<DriverSetup> ReplayDriver::open() {
       registrations_.back().emplace(*sensor.depth, sensor.calibration.camera, sensor.calibration.depth_scale);
     }
   }
+  setup.label_table = sequence_.label_table;
   setup.num_frames = sequence_.sensors.front().entries.size();
   setup.paced = options_.realtime;
   setup.description = "replay of " + sequence_.description + ", " + std::to_string(*setup.num_frames) + " frames";
@@ -163,7 +164,7 @@ Status ReplayDriver::read_labels(const SequenceSensor& sensor, const SequenceEnt
   }
   frame.stamp = entry.stamp;
   frame.produced = 0;
-  frame.table_name = sensor.label_table;
+  frame.table_name = sequence_.label_table ? sequence_.label_table->name : std::string();
   return Done{};
 }
 

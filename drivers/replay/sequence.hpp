@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/label_table.hpp"
 #include "drivers/replay/camera_file.hpp"
 #include "pipeline/base/result.hpp"
 #include "pipeline/base/time.hpp"
@@ -26,14 +27,14 @@ struct SequenceEntry {
 struct SequenceSensor {
   SensorCalibration calibration;
   std::optional<DepthCamera> depth;    // rgbd whose depth must be warped into colour
-  std::string label_table;             // labels only: the class table their ids refer to
   std::vector<SequenceEntry> entries;  // stamps strictly increase
 };
 
 struct Sequence {
   std::string description;
   std::vector<SequenceSensor> sensors;  // sensor 0 is the main camera; a camera's labels follow it directly
-  std::vector<std::string> faults;      // list lines that cannot be used, one message each
+  std::optional<LabelTable> label_table;
+  std::vector<std::string> faults;  // list lines that cannot be used, one message each
 };
 
 enum class LabelChoice { off, on, automatic };  // on: an error when there are none; automatic: if there are any

@@ -112,7 +112,6 @@ SequenceSensor label_sensor(const fs::path& folder, const SequenceSensor& camera
   sensor.calibration = camera.calibration;
   sensor.calibration.kind = SensorKind::labels;
   sensor.calibration.name += "_labels";
-  sensor.label_table = "torwic";
   sensor.entries = entries_in(folder, ".png", times);
   return sensor;
 }
@@ -136,6 +135,7 @@ Result<Sequence> read_torwic_folder(const SequenceOptions& options) {
     const fs::path labels = folder / (std::string("segmentation_greyscale_") + side.name);
     if (options.labels != LabelChoice::off && is_folder(labels)) {
       sequence.sensors.push_back(label_sensor(labels, sequence.sensors.back(), *times));
+      sequence.label_table = LabelTable{"torwic", {}};
     } else if (options.labels == LabelChoice::on) {
       return Error{labels.string() + ": labels = true, but there is no such folder; set labels = false"};
     }

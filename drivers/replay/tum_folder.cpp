@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "drivers/replay/classes_file.hpp"
 #include "drivers/replay/file_list.hpp"
 #include "drivers/replay/sequence.hpp"
 #include "drivers/replay/text_file.hpp"
@@ -95,7 +96,6 @@ Result<SequenceSensor> read_labels(const SequenceOptions& options, const Sequenc
   labels.calibration = camera.calibration;
   labels.calibration.kind = SensorKind::labels;
   labels.calibration.name += "_labels";
-  if (is_file(folder / "classes.csv")) labels.label_table = (folder / "classes.csv").string();
   std::vector<ListedFile> frames;
   for (const SequenceEntry& entry : camera.entries) frames.push_back({entry.stamp, entry.file, entry.seq, entry.where});
   std::error_code fault;
@@ -179,6 +179,12 @@ Status add_labels(Sequence& sequence, const SequenceOptions& options) {
   Result<SequenceSensor> labels = read_labels(options, sequence.sensors.front(), sequence.faults);
   if (!labels) return labels.error();
   sequence.sensors.push_back(std::move(*labels));
+  const fs::path classes = options.folder / "classes.csv";
+  std::error_code fault;
+  if (!fs::exists(classes, fault)) return Done{};
+  Result<LabelTable> table = read_classes_file(classes);
+  if (!table) return table.error();
+  sequence.label_table = std::move(*table);
   return Done{};
 }
 

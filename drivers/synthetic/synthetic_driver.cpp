@@ -35,6 +35,7 @@ class SyntheticDriver final : public Driver {
     setup.sensors = synthetic::sensor_calibrations(options_);
     setup.T_world_camera_start = world_->T_world_camera(0.0);
     setup.num_frames = world_->num_frames();
+    if (options_.labels) setup.label_table = LabelTable{"synthetic", {}};
     setup.paced = options_.realtime;
     return setup;
   }

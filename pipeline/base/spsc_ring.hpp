@@ -2,6 +2,13 @@
 // Lock-free and allocation-free after construction (boost::lockfree::spsc_queue); an empty ring is waited
 // for on a futex (C++20 atomic wait), never by spinning. When full, try_push refuses: the caller counts the drop.
 // Values are moved in and out. The queue itself copies its elements, so it carries the numbers of slots.
+// Rings that share a Doorbell can be waited for together:
+//
+//   for (;;) {
+//     const std::uint32_t rung = bell.count();
+//     …try_pop from each ring…
+//     bell.wait(rung);  // returns at once when one was pushed to, or closed, since count()
+//   }
 #pragma once
 
 #include <atomic>
@@ -17,12 +24,29 @@
 
 namespace povslam {
 
+// Any threads ring, one waits.
+class Doorbell {
+ public:
+  void ring() {
+    count_.fetch_add(1, std::memory_order_seq_cst);  // before the look for a sleeper inside notify_one
+    count_.notify_one();
+  }
+  std::uint32_t count() const { return count_.load(std::memory_order_acquire); }
+  void wait(std::uint32_t rung) const { count_.wait(rung, std::memory_order_acquire); }
+
+ private:
+  alignas(64) std::atomic<std::uint32_t> count_{0};
+};
+
 template <class T>
 class SpscRing {
   static_assert(std::is_nothrow_move_constructible_v<T>);
 
  public:
-  explicit SpscRing(std::size_t capacity) : slots_(capacity), queue_(capacity) { EXPECTS(capacity > 0); }
+  // bell: rung with each push and on closing, for a consumer that waits for more than this ring; outlives it.
+  explicit SpscRing(std::size_t capacity, Doorbell* bell = nullptr) : slots_(capacity), queue_(capacity), bell_(bell) {
+    EXPECTS(capacity > 0);
+  }
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
 
@@ -49,10 +73,10 @@ class SpscRing {
   // Consumer thread. Sleeps until a value comes; nothing once the ring is closed and empty.
   std::optional<T> pop() {
     for (;;) {
-      const std::uint32_t seen = epoch_.load(std::memory_order_acquire);
+      const std::uint32_t seen = own_.count();
       if (auto value = try_pop()) return value;
       if (closed_.load(std::memory_order_acquire)) return try_pop();
-      epoch_.wait(seen, std::memory_order_acquire);
+      own_.wait(seen);
     }
   }
 
@@ -62,21 +86,23 @@ class SpscRing {
     closed_.store(true, std::memory_order_release);
     signal();
   }
+  bool closed() const { return closed_.load(std::memory_order_acquire); }
 
   std::size_t size() const { return queue_.read_available(); }  // exact on the consumer thread
   std::size_t capacity() const { return slots_.size(); }
 
  private:
   void signal() {
-    epoch_.fetch_add(1, std::memory_order_seq_cst);  // before the look for a sleeper inside notify_one
-    epoch_.notify_one();
+    own_.ring();
+    if (bell_ != nullptr) bell_->ring();
   }
 
   std::vector<std::optional<T>> slots_;
   boost::lockfree::spsc_queue<std::size_t> queue_;
   std::size_t next_ = 0;  // slot the producer fills next
-  alignas(64) std::atomic<std::uint32_t> epoch_{0};
+  Doorbell own_;
   std::atomic<bool> closed_{false};
+  Doorbell* bell_;
 };
 
 }  // namespace povslam

@@ -480,4 +480,10 @@ MapChange* Tracker::collect_change() {
   return journal_.collect(map_, meta());
 }
 
+void Tracker::set_owner(std::int32_t slot, std::int64_t landmark, std::int64_t owner) {
+  if (slot < 0 || slot >= map_.landmark_slots()) return;
+  Landmark& point = map_.landmark(slot);
+  if (point.alive && point.id == landmark) point.owner = owner;
+}
+
 }  // namespace povslam

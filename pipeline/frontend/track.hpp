@@ -56,6 +56,8 @@ class Tracker {
   void give_back(MapChange* change) { journal_.give_back(change); }
 
   const Map& map() const { return map_; }
+  const Frame& frame() const { return frame_; }  // the last one tracked, its landmarks those that fit
+  void set_owner(std::int32_t slot, std::int64_t landmark, std::int64_t owner);  // of a landmark, if it is still there
 
  private:
   void adopt(const MapContent& content);

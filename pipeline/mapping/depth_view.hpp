@@ -37,7 +37,7 @@ struct DepthNoise {  // sigma_z = quadratic z^2, and the floor in quadrature
 
 struct DepthViewOptions {
   double min_depth_m = 0.3;
-  double max_depth_m = 5.0;
+  double max_depth_m = 8.0;
 };
 
 // Rectifies by nearest pixel (depths of two surfaces must not be mixed). Tables are made once.

@@ -24,6 +24,7 @@ struct ObjectClass {
   double prior_alpha = 2.0, prior_beta = 1.0;      // of the consistency, Beta
   double k_inlier = 0.0, k_outlier = 3.0;          // POCD's weight of the class against geometry
   double min_extent_m = 0.05, max_extent_m = 3.0;  // of the box: largest side; what does not fit makes no object
+  bool one_piece = false;  // grooves and gaps are its own; else they separate two that stand side by side
   std::array<std::uint8_t, 3> rgb{};
 };
 

@@ -16,12 +16,20 @@ struct SegmentOptions {
   double wall_area_m2 = 4.0;        // an upright plane larger than this, or longer than
   double wall_length_m = 3.0;       // this, is structure
   double floor_tolerance_m = 0.06;  // about the floor's height, plus 3 sigma
+  double tall_m = 2.2;              // what rises more than this is structure
+  double board_length_m = 1.5;      // a level strip longer than this
+  double board_thickness_m = 0.2;   // and not higher than this is a shelf: structure
+  double own_outline = 0.25;        // a flat thing with a smaller share of outline of its own is the background
 };
 
 struct Segment {
   int pixels = 0;  // full image
   bool structure = false;
-  bool at_border = false;  // of the image
+  bool at_border = false;                // of the image: there may be more of it
+  double bottom_m = 0.0, top_m = 0.0;    // world height
+  double length_m = 0.0, width_m = 0.0;  // of what is seen, from above
+  double area_m2 = 0.0;                  // of the surface seen
+  double own_outline = 0.0;              // share of its outline that is not hidden by nearer things, [0, 1]
 };
 
 // One object per camera: the floor's height is tracked over frames in the world (z up). Deterministic.

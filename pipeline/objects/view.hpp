@@ -9,7 +9,8 @@
 namespace povslam {
 
 struct SeenLandmark {
-  std::int64_t landmark = -1;                         // id of the tracker's map
+  std::int64_t landmark = -1;                         // id of the tracker's map…
+  std::int32_t slot = -1;                             // …and where that keeps it at present
   float x = 0.0F, y = 0.0F;                           // px, rectified
   float inverse_depth = 0.0F;                         // 1/m, measured; 0 = none
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();  // where the map has it
@@ -29,6 +30,7 @@ struct View {
 // Which object a landmark of the tracker belongs to: the tracker's own table keeps it.
 struct LandmarkOwner {
   std::int64_t landmark = -1;
+  std::int32_t slot = -1;    // see SeenLandmark
   std::int64_t object = -1;  // -1: none
 };
 

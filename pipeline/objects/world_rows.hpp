@@ -28,7 +28,7 @@ inline constexpr std::int64_t kStructureVolume = -1;
 struct EmptyCellRow {  // pipeline/mapping/empty_space.hpp
   std::int32_t x = 0, y = 0, z = 0;
   TimeNs first = 0, last = 0;
-  std::int32_t times = 0;
+  std::int32_t times = 0;  // 0: forgotten, the row goes
 };
 
 struct WorldMeta {

@@ -23,8 +23,10 @@ class CollectingSink : public Sink {
  public:
   void on_frame(const TrackedFrame& frame) override { frames.push_back(frame); }
   void on_health(const Health& health) override { reports.push_back(health); }
+  void on_objects(const ObjectSnapshot& /*objects*/) override { ++lists; }
   std::vector<TrackedFrame> frames;
   std::vector<Health> reports;
+  int lists = 0;
 };
 
 struct Bench {
@@ -214,6 +216,57 @@ TEST(App, StartsWhereItIsTold) {
   EXPECT_LT(rotation_angle_rad(T.inverse() * level_forward_camera()), 1e-9);
 }
 
+// 60 frames, one every 33 ms of their stamps, each with its labels.
+void add_labelled_frames(FakeScript& script) {
+  script.has_labels = true;
+  script.frames(60);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const FakeStep frame = script.steps[2 * i];
+    script.steps.insert(script.steps.begin() + static_cast<std::ptrdiff_t>(2 * i + 1), {Kind::labels, frame.stamp, 0});
+  }
+  script.period = 4 * kNsPerMs;
+}
+
+TEST(App, UnderstandsSomeFramesBesideTrackingAll) {
+  Bench bench;
+  add_labelled_frames(*bench.script);
+  const auto app = bench.run_to_end();
+  const Health& health = bench.sink.reports.back();
+  EXPECT_EQ(bench.sink.frames.size(), 60u);
+  EXPECT_EQ(health.frames_in, 60) << "labels are no frames";
+  EXPECT_EQ(all_drops(app->counters()), 0);
+  const UnderstandingHealth& understanding = health.understanding;
+  EXPECT_EQ(understanding.views + understanding.views_dropped, 10) << "one each 0.2 s";
+  EXPECT_GT(understanding.views, 0);
+  EXPECT_EQ(understanding.news.views_understood, understanding.views);
+  EXPECT_EQ(understanding.news.labels.received + understanding.labels_dropped, 60);
+  EXPECT_GT(understanding.news.labels.joined, 0);
+  EXPECT_GT(bench.sink.lists, 0);
+}
+
+TEST(App, LeavesLabelsUnusedWhenItSegmentsByGeometryAndAllWhenUnderstandingIsOff) {
+  for (const std::string labels : {"geometric", "off"}) {
+    Bench bench;
+    bench.config.pipeline.understanding.labels = labels;
+    add_labelled_frames(*bench.script);
+    const auto app = bench.run_to_end();
+    EXPECT_EQ(app->counters().dropped(DropReason::unused), 60) << labels;
+    EXPECT_EQ(bench.sink.frames.size(), 60u);
+    EXPECT_EQ(bench.sink.reports.back().understanding.views > 0, labels != "off");
+    EXPECT_EQ(bench.sink.lists > 0, labels != "off");
+  }
+}
+
+TEST(App, SaysWhereLabelsShouldComeFrom) {
+  Bench bench;
+  bench.config.pipeline.understanding.labels = "replay";
+  bench.script->frames(1);
+  const auto app = bench.start();
+  ASSERT_FALSE(app);
+  EXPECT_THAT(app.error().message,
+              testing::AllOf(testing::HasSubstr("understanding.labels"), testing::HasSubstr("delivers no labels")));
+}
+
 TEST(App, KeepsItsMapWhereItIsTold) {
   const TempFolder folder;
   Bench bench;
@@ -317,7 +370,7 @@ TEST(TrackingThread, LooksDeadOnlyWhenItHangsOnAFrame) {
   JobRing asked(8), solved(8);
   Counters counters;
   hold_tracking = true;
-  TrackingThread tracking(pipeline, frames, poses, asked, solved, {}, counters,
+  TrackingThread tracking(pipeline, {frames, poses, asked, solved}, counters,
                           {.frame_taken = [] { hold_tracking.wait(true); }});
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
   EXPECT_TRUE(tracking.alive(kNsPerMs));  // a silent camera

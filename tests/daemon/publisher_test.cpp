@@ -6,6 +6,8 @@
 #include <bot_core/pose_t.hpp>
 #include <lcm/lcm-cpp.hpp>
 #include <povslam/health_t.hpp>
+#include <povslam/object_event_t.hpp>
+#include <povslam/object_list_t.hpp>
 #include <povslam/pose_t.hpp>
 
 #include "daemon/messages/channels.hpp"
@@ -111,6 +113,9 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   health.latency_ms.p99 = 17.0;
   health.state = TrackState::ok;
   health.store = {StoreState::failing, 5, 61.0, 12.0};
+  health.understanding = {.views = 20, .views_dropped = 2, .labels_dropped = 1, .news = {}, .view_ms = {25.0, 40.0}};
+  health.understanding.news.objects = 9;
+  health.understanding.news.labels.late = 4;
   auto publisher = open();
   publisher->on_health(health);
   publisher->on_health(health);
@@ -127,7 +132,112 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   EXPECT_EQ(messages[0].state, pose_t::DEGRADED);
   EXPECT_EQ(messages[0].map_store, health_t::FAILING);
   EXPECT_EQ(messages[0].map_commits, 5);
+  EXPECT_EQ(messages[0].views, 20);
+  EXPECT_EQ(messages[0].views_dropped, 2);
+  EXPECT_EQ(messages[0].labels_dropped, 1);
+  EXPECT_EQ(messages[0].labels_late, 4);
+  EXPECT_EQ(messages[0].objects, 9);
+  EXPECT_EQ(messages[0].understand_p99_ms, 40.0);
   EXPECT_EQ(messages[0].map_commit_age_s, 61.0);
+}
+
+ObjectEvent moved_event() {
+  ObjectEvent event;
+  event.seq = 41;
+  event.stamp = from_seconds(99.5);
+  event.type = ObjectEventType::moved;
+  event.object = 12;
+  event.class_name = "box";
+  event.place = {{1.0, 2.0, 0.3}, 0.5};
+  event.size_m = {0.4, 0.5, 0.6};
+  event.from = ObjectPlace{{1.0, 5.0, 0.4}, -0.5};
+  event.consistency = 0.8;
+  event.probability = 0.97;
+  event.evidence = {from_seconds(1.0), from_seconds(2.0), from_seconds(3.0), from_seconds(4.0)};
+  return event;
+}
+
+TEST_F(PublisherTest, SendsAnEventWithItsEvidence) {
+  open()->on_event(moved_event());
+  const auto messages = read_channel<object_event_t>(file_, kObjectEventChannel);
+  ASSERT_EQ(messages.size(), 1u);
+  const object_event_t& m = messages[0];
+  EXPECT_EQ(m.utime, 99500000);
+  EXPECT_EQ(m.seq, 41);
+  EXPECT_EQ(m.robot_id, "r2");
+  EXPECT_EQ(m.type, object_event_t::MOVED);
+  EXPECT_EQ(m.object_id, 12);
+  EXPECT_EQ(m.class_name, "box");
+  EXPECT_THAT(m.position, testing::ElementsAre(1.0, 2.0, 0.3));
+  EXPECT_EQ(m.yaw, 0.5);
+  EXPECT_THAT(m.size, testing::ElementsAre(0.4, 0.5, 0.6));
+  EXPECT_THAT(m.from_position, testing::ElementsAre(1.0, 5.0, 0.4));
+  EXPECT_EQ(m.from_yaw, -0.5);
+  EXPECT_EQ(m.consistency, 0.8);
+  EXPECT_EQ(m.probability, 0.97);
+  EXPECT_EQ(m.first_absent_utime, 1000000);
+  EXPECT_EQ(m.last_absent_utime, 2000000);
+  EXPECT_EQ(m.first_present_utime, 3000000);
+  EXPECT_EQ(m.last_present_utime, 4000000);
+}
+
+TEST_F(PublisherTest, SendsZeroForWhatAnEventDoesNotHave) {
+  ObjectEvent event = moved_event();
+  event.type = ObjectEventType::removed;
+  event.from.reset();
+  event.evidence.first_absent.reset();
+  event.evidence.last_absent.reset();
+  open()->on_event(event);
+  const auto messages = read_channel<object_event_t>(file_, kObjectEventChannel);
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_EQ(messages[0].type, object_event_t::REMOVED);
+  EXPECT_THAT(messages[0].from_position, testing::Each(0.0));
+  EXPECT_EQ(messages[0].first_absent_utime, 0);
+  EXPECT_EQ(messages[0].last_absent_utime, 0);
+}
+
+ObjectSnapshot many_objects(int count, const std::string& class_name) {
+  ObjectSnapshot snapshot;
+  snapshot.stamp = from_seconds(7.0);
+  for (int i = 0; i < count; ++i) {
+    ObjectRecord object;
+    object.id = i;
+    object.class_name = class_name;
+    snapshot.objects.push_back(object);
+  }
+  return snapshot;
+}
+
+TEST_F(PublisherTest, SplitsTheObjectsSoThatEachMessageFitsOneDatagram) {
+  const ObjectSnapshot snapshot = many_objects(100, std::string(300, 'x'));
+  auto publisher = open();
+  publisher->on_objects(snapshot);
+  publisher->on_objects(snapshot);
+  publisher.reset();
+  const auto messages = read_channel<object_list_t>(file_, kObjectsChannel);  // which checks the size
+  ASSERT_EQ(messages.size() % 2, 0u);
+  const std::size_t parts = messages.size() / 2;
+  EXPECT_GT(parts, 10u);
+  std::int64_t next_id = 0;
+  for (std::size_t i = 0; i < parts; ++i) {
+    EXPECT_EQ(messages[i].snapshot, messages[0].snapshot);
+    EXPECT_EQ(messages[i].part, static_cast<int>(i));
+    EXPECT_EQ(messages[i].parts, static_cast<int>(parts));
+    EXPECT_EQ(messages[i].num_total, 100);
+    EXPECT_EQ(messages[i].utime, 7000000);
+    for (const object_t& object : messages[i].objects) EXPECT_EQ(object.id, next_id++);
+  }
+  EXPECT_EQ(next_id, 100);
+  EXPECT_EQ(messages[parts].snapshot, messages[0].snapshot + 1);
+  EXPECT_EQ(messages[parts].seq, static_cast<std::int64_t>(parts));
+}
+
+TEST_F(PublisherTest, SaysThatThereAreNoObjects) {
+  open()->on_objects({});
+  const auto messages = read_channel<object_list_t>(file_, kObjectsChannel);
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_EQ(messages[0].parts, 1);
+  EXPECT_EQ(messages[0].num_total, 0);
 }
 
 TEST(Publisher, SaysWhatToDoWhenTheUrlCannotBeUsed) {

@@ -8,7 +8,9 @@
 #include "tests/support/faulty_disk.hpp"
 #include "tests/support/log_text.hpp"
 #include "tests/support/made_map.hpp"
+#include "tests/support/made_world.hpp"
 #include "tests/support/same_map.hpp"
+#include "tests/support/same_world.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace povslam {
@@ -64,13 +66,16 @@ class Damage : public testing::Test {
     made::MapPace pace = made::small_pace(1);
     pace.features = 150;  // features need overflow pages
     made::MapMaker maker(pace);
+    made::WorldMaker worlds({});
     auto store = MapStore::open(file(), StoreMode::read_write);
     ASSERT_TRUE(store);
     states_.push_back({});
     for (int i = 0; i < 10; ++i) {
       if (i == 5) store = Error{"closed once in between"}, store = MapStore::open(file(), StoreMode::read_write);
-      ASSERT_TRUE(store->commit(maker.next()));
-      states_.push_back(maker.truth().content());
+      const MapChange map = maker.next();
+      const WorldChange world = worlds.next();
+      ASSERT_TRUE(store->commit(&map, &world));
+      states_.push_back({maker.truth().content(), worlds.truth().content()});
     }
     if (killed) {
       whole_ = read_file(file());
@@ -79,12 +84,19 @@ class Damage : public testing::Test {
     store = Error{"closed"};
     if (!killed) whole_ = read_file(file());
   }
+  struct State {
+    MapContent map;
+    WorldContent world;
+  };
+  static bool is(const OpenedStore& opened, const State& state) {
+    return same_map(opened.content, state.map) && same_world(opened.world, state.world);
+  }
   std::filesystem::path folder() const { return folder_.path(); }
 
   TempFolder folder_;
   FaultyDisk disk_;  // a sound one: it only spares the waiting for real syncs
   LogText text_;
-  std::vector<MapContent> states_;
+  std::vector<State> states_;
   std::string whole_, log_;
 };
 
@@ -99,7 +111,7 @@ TEST_F(Damage, OfTheFileIsNoticedOrHarmless) {
     auto opened = open_or_quarantine(file());
     ASSERT_TRUE(opened) << opened.error().message;
     set_aside += opened->quarantined.empty() ? 0 : 1;
-    EXPECT_TRUE(same_map(opened->content, opened->quarantined.empty() ? states_.back() : MapContent{})) << i;
+    EXPECT_TRUE(is(*opened, opened->quarantined.empty() ? states_.back() : State{})) << i;
     made::MapMaker maker(made::small_pace(3));
     EXPECT_TRUE(opened->store.commit(maker.next())) << i;
   }
@@ -119,7 +131,7 @@ TEST_F(Damage, OfTheLogGivesAStateThatWas) {
     ASSERT_TRUE(opened) << opened.error().message;
     bool was = false;
     for (std::size_t state = 0; state < states_.size(); ++state) {
-      was = was || (opened->quarantined.empty() == (state > 0) && same_map(opened->content, states_[state]));
+      was = was || (opened->quarantined.empty() == (state > 0) && is(*opened, states_[state]));
     }
     EXPECT_TRUE(was) << i;
   }
@@ -134,7 +146,7 @@ TEST_F(Damage, OfEachByteOfTheFirstPageIsNoticedOrHarmless) {
       put(bytes, "");
       const auto opened = open_or_quarantine(file());
       ASSERT_TRUE(opened) << at << ": " << opened.error().message;
-      EXPECT_TRUE(same_map(opened->content, opened->quarantined.empty() ? states_.back() : MapContent{})) << at;
+      EXPECT_TRUE(is(*opened, opened->quarantined.empty() ? states_.back() : State{})) << at;
     }
   }
 }

@@ -11,7 +11,9 @@
 #include "pipeline/base/time.hpp"
 #include "tests/support/log_text.hpp"
 #include "tests/support/made_map.hpp"
+#include "tests/support/made_world.hpp"
 #include "tests/support/same_map.hpp"
+#include "tests/support/same_world.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace povslam {
@@ -24,15 +26,42 @@ made::MapPace pace(unsigned seed) {
   return pace;
 }
 
+// Change number n of the map and of what stands in it: of both, or of one.
+struct Maker {
+  explicit Maker(unsigned seed)
+      : maps(pace(seed)), worlds({.blocks = 1 + static_cast<int>(seed % 2) * 10, .seed = seed}) {}
+
+  Result<CommitReport> commit_next(MapStore& store) {
+    next();
+    return store.commit(map ? &*map : nullptr, world ? &*world : nullptr);
+  }
+  void next() {
+    const int kind = number++ % 3;
+    map.reset();
+    world.reset();
+    if (kind != 1) map = maps.next();
+    if (kind != 2) world = worlds.next();
+  }
+  testing::AssertionResult is_in(const OpenedStore& opened) const {
+    const auto as_map = same_map(opened.content, maps.truth().content());
+    return as_map ? same_world(opened.world, worlds.truth().content()) : as_map;
+  }
+
+  made::MapMaker maps;
+  made::WorldMaker worlds;
+  std::optional<MapChange> map;
+  std::optional<WorldChange> world;
+  int number = 0;
+};
+
 // The child: goes on from change number `done`, and tells the number of each commit through `pipe`. Never returns.
 [[noreturn]] void commit_for_ever(const std::filesystem::path& file, unsigned seed, int done, int pipe) {
-  made::MapMaker maker(pace(seed));
+  Maker maker(seed);
   for (int i = 0; i < done; ++i) maker.next();
   auto opened = open_or_quarantine(file);
   if (!opened) _exit(3);
   for (int number = done + 1;; ++number) {
-    const MapChange change = maker.next();
-    if (!opened->store.commit(change)) _exit(4);
+    if (!maker.commit_next(opened->store)) _exit(4);
     if (write(pipe, &number, sizeof number) != sizeof number) _exit(5);
   }
 }
@@ -72,13 +101,13 @@ TEST(StoreKill, LosesNothingCommittedAndAlwaysOpens) {
   int total_confirmed = 0, one_more = 0, stores = 0;
   double slowest_ms = 0.0;
   std::unique_ptr<TempFolder> folder;
-  std::unique_ptr<made::MapMaker> maker;
+  std::unique_ptr<Maker> maker;
   int done = 0;
   unsigned seed = 0;
   for (int i = 0; i < kills && !testing::Test::HasFailure(); ++i) {
     if (i % 10 == 0) {  // a new store now and then: its making is interrupted as well
       folder = std::make_unique<TempFolder>();
-      maker = std::make_unique<made::MapMaker>(pace(++seed));
+      maker = std::make_unique<Maker>(++seed);
       done = 0;
       ++stores;
     }
@@ -95,11 +124,11 @@ TEST(StoreKill, LosesNothingCommittedAndAlwaysOpens) {
     slowest_ms = std::max(slowest_ms, to_ms(monotonic_now() - begun));
     ASSERT_TRUE(opened) << opened.error().message;
     ASSERT_TRUE(opened->quarantined.empty()) << log.text();
-    if (same_map(opened->content, maker->truth().content())) continue;
+    if (maker->is_in(*opened)) continue;
     maker->next();  // committed, and killed before it could tell
     ++done;
     ++one_more;
-    EXPECT_TRUE(same_map(opened->content, maker->truth().content())) << "kill " << i;
+    EXPECT_TRUE(maker->is_in(*opened)) << "kill " << i;
   }
   std::printf(
       "%d kills on %d stores: %d commits confirmed, none missing; %d more found that were not yet told; "

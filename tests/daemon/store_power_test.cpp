@@ -6,7 +6,9 @@
 #include "tests/support/faulty_disk.hpp"
 #include "tests/support/log_text.hpp"
 #include "tests/support/made_map.hpp"
+#include "tests/support/made_world.hpp"
 #include "tests/support/same_map.hpp"
+#include "tests/support/same_world.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace povslam {
@@ -17,7 +19,9 @@ using Leftover = FaultyDisk::Leftover;
 // A store, what it was told and what it must still know.
 class Trial {
  public:
-  explicit Trial(unsigned seed) : random_(seed), maker_(pace(seed)) { states_.push_back({}); }
+  explicit Trial(unsigned seed) : random_(seed), maker_(pace(seed)), worlds_(world_pace(seed)) {
+    states_.push_back({});
+  }
 
   std::filesystem::path file() const { return folder_.path() / "map.db"; }
   FaultyDisk& disk() { return disk_; }
@@ -37,15 +41,21 @@ class Trial {
   }
 
   bool commit() {
-    const auto done = store_->commit(change_);
+    const auto done = store_->commit(map_ ? &*map_ : nullptr, world_ ? &*world_ : nullptr);
     if (!done) return false;
     confirmed_ = states_.size() - 1;
     waiting_ = false;
     return true;
   }
-  void next() {
-    change_ = maker_.next();
-    states_.push_back(maker_.truth().content());
+  // A change of the map, of what stands in it, or of both; of both first, since objects name landmarks of the map.
+  void next() { next(states_.size() == 1 ? kBoth : dice(0, 2)); }
+  static constexpr int kBoth = 2;
+  void next(int kind) {
+    map_.reset();
+    world_.reset();
+    if (kind != 1) map_ = maker_.next();
+    if (kind != 0) world_ = worlds_.next();
+    states_.push_back({maker_.truth().content(), worlds_.truth().content()});
     waiting_ = true;
   }
   void open() {
@@ -62,13 +72,24 @@ class Trial {
     auto opened = open_or_quarantine(file());
     ASSERT_TRUE(opened) << opened.error().message;
     ASSERT_TRUE(opened->quarantined.empty()) << log.text();
-    const bool as_confirmed = same_map(opened->content, states_[confirmed_]);
-    const auto as_last = same_map(opened->content, states_.back());
-    EXPECT_TRUE(as_confirmed || as_last) << as_last.message() << "; " << confirmed_ << " confirmed, next keyframe "
-                                         << opened->content.meta.next_keyframe;
+    const auto as_confirmed = same(*opened, states_[confirmed_]);
+    const auto as_last = same(*opened, states_.back());
+    EXPECT_TRUE(as_confirmed || as_last) << as_confirmed.message() << "; " << as_last.message() << "; " << confirmed_
+                                         << " confirmed, next keyframe " << opened->content.meta.next_keyframe;
   }
 
  private:
+  struct State {
+    MapContent map;
+    WorldContent world;
+  };
+  static testing::AssertionResult same(const OpenedStore& opened, const State& state) {
+    const auto map = same_map(opened.content, state.map);
+    return map ? same_world(opened.world, state.world) : map;
+  }
+  static made::WorldPace world_pace(unsigned seed) {
+    return {.objects = 1, .old_objects = 1, .blocks = seed % 3 == 0 ? 20 : 1, .seed = seed};
+  }
   static made::MapPace pace(unsigned seed) {
     made::MapPace pace = made::small_pace(seed);
     if (seed % 3 == 0) {  // commits of some hundred pages: the log is brought in every few
@@ -82,10 +103,12 @@ class Trial {
   FaultyDisk disk_;
   std::mt19937 random_;
   made::MapMaker maker_;
+  made::WorldMaker worlds_;
   std::optional<MapStore> store_;
-  MapChange change_;
+  std::optional<MapChange> map_;
+  std::optional<WorldChange> world_;
   bool waiting_ = false;
-  std::vector<MapContent> states_;  // after each change; the last may be on its way
+  std::vector<State> states_;  // after each change; the last may be on its way
   std::size_t confirmed_ = 0;
 };
 
@@ -171,7 +194,7 @@ void open_with_read_errors(int after, int times, int& refusals) {
   Trial trial(6);
   trial.open();
   for (int i = 0; i < 5; ++i) {
-    trial.next();
+    trial.next(Trial::kBoth);
     ASSERT_TRUE(trial.commit());
   }
   if (after % 2 == 0) trial.close();
@@ -196,7 +219,7 @@ TEST(StorePower, ReadErrorsAreNoDamage) {
     for (int after = 0; after < 60 && !testing::Test::HasFailure(); after += 1 + after / 8) {
       open_with_read_errors(after, times, refusals);
     }
-    EXPECT_GT(refusals, 3) << times;
+    EXPECT_GT(refusals, 1) << times;  // what opening reads first
   }
 }
 

@@ -10,9 +10,12 @@
 #include <fstream>
 #include <limits>
 
+#include "daemon/store_rows.hpp"
 #include "daemon/store_schema.hpp"
 #include "tests/support/made_map.hpp"
+#include "tests/support/made_world.hpp"
 #include "tests/support/same_map.hpp"
+#include "tests/support/same_world.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace povslam {
@@ -45,7 +48,8 @@ class Store : public testing::Test {
     auto store = MapStore::open(file(), StoreMode::read_only);
     if (!store) return store.error().message;
     const auto content = store->load();
-    return content ? "" : content.error().message;
+    const auto world = store->load_world();
+    return !content ? content.error().message : !world ? world.error().message : "";
   }
   std::size_t count_files(const std::string& part) const {
     std::size_t count = 0;
@@ -225,8 +229,125 @@ TEST_F(Store, BringsAnOlderStoreForward) {
   made::MapMaker maker(made::small_pace(10));
   ASSERT_TRUE(open().commit(maker.next()));
   MapStore store = open();
-  EXPECT_EQ(store.info()->schema_version, 2);
+  EXPECT_EQ(store.info()->schema_version, kSchemaVersion);
   EXPECT_TRUE(same_map(*store.load(), maker.truth().content()));
+}
+
+TEST_F(Store, KeepsTheMapOfAStoreFromBeforeObjects) {
+  made::MapMaker maker(made::small_pace(12));
+  const MapChange change = maker.next();
+  {
+    Database old(file(), SqlMode::create);
+    migrate(old, 0, 2);
+    old.text("PRAGMA journal_mode = WAL");
+    Transaction transaction(old, Transaction::Kind::write);
+    Manifest manifest = read_manifest(old, 2);
+    Bytes bytes;
+    const auto put = [&](Table table, std::int64_t id, const auto& row) {
+      write_row(row, bytes);
+      TableWriter(old, table).put(id, bytes, manifest);
+    };
+    put(Table::meta, 0, StoredMeta{.map = change.meta});
+    for (const auto& row : change.features) put(Table::features, row.keyframe, row);
+    for (const auto& row : change.keyframes) put(Table::keyframes, row.keyframe, row);
+    for (const auto& row : change.landmarks) put(Table::landmarks, row.landmark, row);
+    for (const auto& row : change.looks) put(Table::looks, row.landmark, row);
+    write_manifest(old, 2, manifest);
+    transaction.commit();
+  }
+  EXPECT_TRUE(open(StoreMode::read_only).load_world()->empty());
+  EXPECT_EQ(open(StoreMode::read_only).info()->schema_version, 2);
+  auto opened = open_or_quarantine(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_TRUE(opened->quarantined.empty());
+  EXPECT_TRUE(same_map(opened->content, maker.truth().content()));
+  EXPECT_TRUE(opened->world.empty());
+  made::WorldMaker worlds({});
+  ASSERT_TRUE(opened->store.commit(worlds.next()));
+  EXPECT_EQ(opened->store.info()->schema_version, kSchemaVersion);
+  EXPECT_TRUE(same_map(*opened->store.load(), maker.truth().content()));
+  EXPECT_TRUE(same_world(*opened->store.load_world(), worlds.truth().content()));
+}
+
+// The bytes of a store of version 2 as povslam made it then: marks and checksums must stay what they were.
+TEST_F(Store, KnowsTheMarksOfStoresOfBefore) {
+  EXPECT_EQ(checksum(Table::landmarks, 5, Bytes{1, 2, 3}), 0xBE9D71DEU);
+  EXPECT_EQ(row_mark(Table::landmarks, 5, 7), 0x51AB6BE45FC73A98U);
+}
+
+TEST_F(Store, GivesBackToTheLastBitWhatStandsInIt) {
+  made::MapMaker maps(made::small_pace(1));
+  made::WorldMaker worlds({});
+  {
+    MapStore store = open();
+    for (int i = 0; i < 30; ++i) {
+      const MapChange map = maps.next();
+      const WorldChange world = worlds.next();
+      const auto done = i % 2 == 0 ? store.commit(&map, &world) : store.commit(map);
+      ASSERT_TRUE(done) << done.error().message;
+      EXPECT_EQ(done->rows_left_out, 0) << done->why_left_out;
+      if (i % 2 == 1) {
+        ASSERT_TRUE(store.commit(world));
+      }
+    }
+    EXPECT_EQ(store.info()->commits, 45u);
+    EXPECT_EQ(store.info()->world.next_event_seq, worlds.truth().meta.next_event_seq);
+  }
+  const auto opened = open_or_quarantine(file());
+  ASSERT_TRUE(opened);
+  EXPECT_TRUE(same_map(opened->content, maps.truth().content()));
+  EXPECT_TRUE(same_world(opened->world, worlds.truth().content()));
+  EXPECT_GT(opened->world.blocks.size(), 50u);
+  EXPECT_LT(opened->world.objects.size(), 30u) << "some were removed";
+}
+
+TEST_F(Store, LeavesOutAnObjectThatCannotBeAndBlocksWithoutTheirObject) {
+  made::WorldMaker worlds({.objects = 2, .seed = 3});
+  MapStore store = open();
+  WorldChange change = worlds.next();
+  change.removed_objects.clear();
+  const std::int64_t bad = change.objects[0].object.id;
+  change.objects[0].object.place.yaw = std::numeric_limits<double>::quiet_NaN();
+  const auto done = store.commit(change);
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->rows_left_out, 1);
+  EXPECT_EQ(done->why_left_out, "object " + std::to_string(bad) + ": the place is none");
+  const auto world = store.load_world();
+  ASSERT_TRUE(world) << world.error().message;
+  EXPECT_EQ(world->objects.size(), 1u);
+  for (const auto& block : world->blocks) EXPECT_NE(block.volume, bad);
+}
+
+// The tracker begins again behind what it had not stored: those ids go to other landmarks.
+TEST_F(Store, ForgetsClaimsToLandmarksThatWereNeverStored) {
+  made::MapMaker maps(made::small_pace(4));
+  made::WorldMaker worlds({.seed = 4});
+  MapStore store = open();
+  ASSERT_TRUE(store.commit(maps.next()));
+  const std::int64_t next = maps.truth().meta.next_landmark;
+  WorldChange change = worlds.next();
+  change.removed_objects.clear();
+  change.objects[0].object.landmarks = {0, next - 1, next, next + 7};
+  ASSERT_TRUE(store.commit(change));
+  EXPECT_EQ(store.load_world()->objects[0].object.landmarks, (std::vector<std::int64_t>{0, next - 1}));
+}
+
+TEST_F(Store, NoticesARowOfWhatStandsThatVanishedOrMoved) {
+  made::WorldMaker worlds({.objects = 3});
+  {
+    MapStore store = open();
+    ASSERT_TRUE(store.commit(worlds.next()));
+  }
+  const auto before = folder_.path() / "whole.db";
+  std::filesystem::copy_file(file(), before);
+  for (const std::string& table :
+       std::vector<std::string>{"objects", "voxel_blocks", "empty_cells", "events", "world"}) {
+    for (const std::string& sql : {"DELETE FROM " + table, "UPDATE " + table + " SET crc = crc + 1"}) {
+      std::filesystem::copy_file(before, file(), std::filesystem::copy_options::overwrite_existing);
+      run_sql(sql);
+      EXPECT_THAT(load_fault(), HasSubstr("table " + table)) << sql;
+    }
+  }
 }
 
 TEST_F(Store, LeavesANewerStoreAlone) {
@@ -237,12 +358,12 @@ TEST_F(Store, LeavesANewerStoreAlone) {
     const Bytes step = {'x'};
     TableWriter(database, Table::steps).put(kSchemaVersion + 1, step, manifest);
     write_manifest(database, kSchemaVersion, manifest);
-    database.run("PRAGMA user_version = 3");
+    database.run("PRAGMA user_version = " + std::to_string(kSchemaVersion + 1));
   }
-  EXPECT_THAT(refusal(), AllOf(HasSubstr("its version is 3"), HasSubstr("install a newer povslam")));
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("its version is 4"), HasSubstr("install a newer povslam")));
   const auto opened = open_or_quarantine(file());
   ASSERT_FALSE(opened);
-  EXPECT_THAT(opened.error().message, HasSubstr("its version is 3"));
+  EXPECT_THAT(opened.error().message, HasSubstr("its version is 4"));
   EXPECT_EQ(count_files("damaged"), 0u);
 }
 

@@ -14,7 +14,7 @@
 namespace povslam {
 
 struct FakeStep {
-  enum class Kind { frame, bad, fail, end, silence, other_sensor, wrong_size } kind = Kind::frame;
+  enum class Kind { frame, bad, fail, end, silence, other_sensor, wrong_size, labels } kind = Kind::frame;
   TimeNs stamp = 0;
   std::uint64_t seq = 0;
 };
@@ -29,6 +29,7 @@ struct FakeScript {
   TimeNs period = 0;        // between frames
   bool repeat = false;      // after the steps: frames for ever
   int width_at_reopen = 0;  // another camera is plugged in
+  bool has_labels = false;  // tells that label frames come; those are steps of kind labels
 
   FakeScript& frames(int count, std::uint64_t first_seq = 0) {
     for (int i = 0; i < count; ++i) {
@@ -66,6 +67,11 @@ class FakeDriver : public Driver {
     setup.description = "fake camera";
     setup.sensors = {camera};
     setup.paced = script_->paced;
+    if (script_->has_labels) {
+      setup.sensors.push_back(camera);
+      setup.sensors.back().kind = SensorKind::labels;
+      setup.label_table = LabelTable{"synthetic", {}};
+    }
     return setup;
   }
 
@@ -86,6 +92,9 @@ class FakeDriver : public Driver {
       case FakeStep::Kind::silence:
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
         return {Next::Kind::bad, "fake camera: silent"};
+      case FakeStep::Kind::labels:
+        fill_labels(frame, step);
+        return {Next::Kind::frame, ""};
       default:
         break;
     }
@@ -100,6 +109,16 @@ class FakeDriver : public Driver {
     for (int y = top; y < top + 8; ++y) {
       for (int x = left; x < left + 8; ++x) color_.at(x, y) = grey;
     }
+  }
+
+  static void fill_labels(SensorFrame& frame, const FakeStep& step) {
+    frame.kind = SensorKind::labels;
+    frame.sensor = 1;
+    frame.labels.stamp = step.stamp;
+    frame.labels.table_name = "synthetic";
+    frame.labels.classes.resize(kWidth, kHeight);
+    frame.labels.classes.fill(1);
+    frame.received = frame.labels.produced = monotonic_now();
   }
 
   void fill(SensorFrame& frame, const FakeStep& step) const {

@@ -6,6 +6,7 @@
 
 #include "daemon/store.hpp"
 #include "tests/support/made_map.hpp"
+#include "tests/support/made_world.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace povslam {
@@ -49,6 +50,32 @@ void commit_change(benchmark::State& state) {
   state.counters["written_MB"] = 1e-6 * bytes / static_cast<double>(state.iterations());
 }
 BENCHMARK(commit_change)->Unit(benchmark::kMillisecond)->Iterations(100)->UseRealTime();
+
+// Changes of 20 objects with 5 voxel blocks each, 100 of the structure, and the argument's number of empty cells, on a
+// store that already holds some.
+void commit_world(benchmark::State& state) {
+  const TempFolder folder;
+  MapStore store = store_at(folder.path() / "map.db");
+  made::WorldMaker maker({.objects = 1,
+                          .old_objects = 19,
+                          .blocks = 5,
+                          .structure_blocks = 100,
+                          .empty_cells = static_cast<int>(state.range(0))});
+  for (int i = 0; i < 30; ++i) EXPECTS(store.commit(maker.next()));
+  double bytes = 0.0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    const WorldChange change = maker.next();
+    const double before = written_bytes();
+    state.ResumeTiming();
+    EXPECTS(store.commit(change));
+    state.PauseTiming();
+    bytes += written_bytes() - before;
+    state.ResumeTiming();
+  }
+  state.counters["written_MB"] = 1e-6 * bytes / static_cast<double>(state.iterations());
+}
+BENCHMARK(commit_world)->Arg(0)->Arg(5000)->Unit(benchmark::kMillisecond)->Iterations(30)->UseRealTime();
 
 // Argument: keyframes of 1,000 features, with 100 landmarks each.
 void open_and_load(benchmark::State& state) {

@@ -68,6 +68,30 @@ void Listener::on_health(const health_t& message) {
   if (shows(kHealthChannel)) std::printf("%s\n", health_line(message).c_str());
 }
 
+void Listener::on_event(const object_event_t& message) {
+  if (!shows(kObjectEventChannel)) return;
+  if (message.session_id == event_session_ && next_event_ >= 0 && message.seq > next_event_) {
+    std::printf("%lld events missed: the datagrams were lost\n", static_cast<long long>(message.seq - next_event_));
+  }
+  event_session_ = message.session_id;
+  next_event_ = message.seq + 1;
+  std::printf("%s\n", event_line(message).c_str());
+}
+
+void Listener::on_objects(const object_list_t& message) {
+  const std::optional<std::vector<object_t>> objects = snapshots_.add(message);
+  if (!objects) return;
+  const bool all = options_.channel == kObjectsChannel;
+  const bool changed = num_objects_ != objects->size();
+  num_objects_ = objects->size();
+  if (!all && !(changed && options_.channel.empty())) return;
+  std::printf("%14.3f s  %s objects: %zu\n", static_cast<double>(message.utime) * 1e-6, message.robot_id.c_str(),
+              objects->size());
+  for (const object_t& object : *objects) {
+    if (all) std::printf("%s\n", object_line(object).c_str());
+  }
+}
+
 Status Listener::finish() const {
   if (poses_ > 0) {
     std::printf(
@@ -97,6 +121,12 @@ void subscribe(lcm::LCM& lcm, Listener& listener) {
       [](Buffer, const std::string&, const bot_core::pose_t* m, Listener* l) { l->on_bot_core_pose(*m); }, &listener);
   lcm.subscribeFunction<health_t, Listener*>(
       kHealthChannel, [](Buffer, const std::string&, const health_t* m, Listener* l) { l->on_health(*m); }, &listener);
+  lcm.subscribeFunction<object_event_t, Listener*>(
+      kObjectEventChannel, [](Buffer, const std::string&, const object_event_t* m, Listener* l) { l->on_event(*m); },
+      &listener);
+  lcm.subscribeFunction<object_list_t, Listener*>(
+      kObjectsChannel, [](Buffer, const std::string&, const object_list_t* m, Listener* l) { l->on_objects(*m); },
+      &listener);
 }
 
 int complain(const std::string& message, int exit_code) {
@@ -136,12 +166,12 @@ int run(ListenOptions options, const std::string& camera) {
 }  // namespace
 
 void add_listen(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("listen", "Poses and health of a running povslamd");
+  CLI::App* command = app.add_subcommand("listen", "Poses, objects, events and health of a running povslamd");
   const auto options = std::make_shared<ListenOptions>();
   const auto camera = std::make_shared<std::string>();
   command->add_option("--lcm-url", options->url, "LCM URL, as the daemon's lcm.url")->capture_default_str();
   command->add_option("--channel", options->channel, "Show this channel only")
-      ->check(CLI::IsMember({kPoseChannel, kHealthChannel, kBotCorePoseChannel}));
+      ->check(CLI::IsMember({kPoseChannel, kHealthChannel, kObjectEventChannel, kObjectsChannel, kBotCorePoseChannel}));
   command->add_option("--rate", options->rate_hz, "Poses shown per second at most; changes of state at once")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);

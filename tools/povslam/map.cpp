@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/povslam/event_json.hpp"
 #include "tools/povslam/map_info.hpp"
 #include "tools/povslam/map_occupancy.hpp"
 #include "tools/povslam/map_ply.hpp"
@@ -33,7 +34,9 @@ Result<MapReport> read_map(const std::string& file) {
   if (!info) return info.error();
   Result<MapContent> content = store->load();
   if (!content) return content.error();
-  return MapReport{store->file(), std::move(*info), std::move(*content)};
+  Result<WorldContent> world = store->load_world();
+  if (!world) return world.error();
+  return MapReport{store->file(), std::move(*info), std::move(*content), std::move(*world)};
 }
 
 int show_info(const MapArguments& arguments) {
@@ -41,6 +44,15 @@ int show_info(const MapArguments& arguments) {
   if (!report) return complain(report.error().message, kFailure);
   const std::string text = arguments.json ? map_info_json(*report).dump(2) + "\n" : map_info_text(*report);
   std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+int show_events(const MapArguments& arguments) {
+  Result<MapStore> store = MapStore::open(arguments.store, StoreMode::read_only);
+  if (!store) return complain(store.error().message, kFailure);
+  const Result<WorldContent> world = store->load_world();
+  if (!world) return complain(world.error().message, kFailure);
+  for (const ObjectEvent& event : world->events) std::printf("%s\n", event_json(event).dump().c_str());
   return 0;
 }
 
@@ -54,6 +66,7 @@ std::uint64_t rows_left_out(const MapReport& report) {
     if (name == "keyframes") left_out += table.rows - map.keyframes.size();
     if (name == "landmarks") left_out += table.rows - map.landmarks.size();
     if (name == "looks") left_out += table.rows - map.looks.size();
+    if (name == "voxel_blocks") left_out += table.rows - report.world.blocks.size();
   }
   return left_out;
 }
@@ -61,9 +74,9 @@ std::uint64_t rows_left_out(const MapReport& report) {
 int verify(const MapArguments& arguments) {
   const Result<MapReport> report = read_map(arguments.store);
   if (!report) return complain(report.error().message, kFailure);
-  std::printf("%s: sound; commit %llu, %zu keyframes, %zu landmarks", report->file.c_str(),
+  std::printf("%s: sound; commit %llu, %zu keyframes, %zu landmarks, %zu objects, %zu events", report->file.c_str(),
               static_cast<unsigned long long>(report->store.commits), report->content.keyframes.size(),
-              report->content.landmarks.size());
+              report->content.landmarks.size(), report->world.objects.size(), report->world.events.size());
   const std::uint64_t left_out = rows_left_out(*report);
   if (left_out > 0)
     std::printf("; %llu rows without their other half are not used", static_cast<unsigned long long>(left_out));
@@ -105,6 +118,7 @@ void add_map(CLI::App& app, int& exit_code) {
   add("info", "What it holds: sizes, counts, versions, extent, times", show_info)
       ->add_flag("--json", arguments->json, "For programs");
   add("verify", "Read and check all of it; exit code 1 and what is wrong if it is damaged", verify);
+  add("events", "What came, moved and went, ever: one JSON object a line, as in events.jsonl", show_events);
   CLI::App* action = add("export", "Write it in other programs' forms", export_map);
   action->add_option("--ply", arguments->ply, "File for the landmarks as points (binary PLY)");
   action->add_flag("--keyframes", arguments->keyframes, "With --ply: the keyframes as red points as well");

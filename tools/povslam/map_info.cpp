@@ -52,6 +52,12 @@ nlohmann::ordered_json numbers(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+std::size_t count_standing(const WorldContent& world) {
+  return static_cast<std::size_t>(std::count_if(world.objects.begin(), world.objects.end(), [](const ObjectRow& row) {
+    return row.object.phase == ObjectPhase::confirmed;
+  }));
+}
+
 double mb(std::uintmax_t bytes) {
   return static_cast<double>(bytes) * 1e-6;
 }
@@ -81,6 +87,11 @@ nlohmann::ordered_json map_info_json(const MapReport& report) {
     json["extent_min_m"] = numbers(extent.min());
     json["extent_max_m"] = numbers(extent.max());
   }
+  json["next_object"] = store.world.next_object;
+  json["next_event"] = store.world.next_event_seq;
+  json["objects"] = count_standing(report.world);
+  json["events"] = report.world.events.size();
+  json["voxel_blocks"] = report.world.blocks.size();
   for (const StoreInfo::Rows& table : store.tables) {
     json["tables"][table.table] = {{"rows", table.rows}, {"bytes", table.bytes}};
   }
@@ -104,6 +115,8 @@ std::string map_info_text(const MapReport& report) {
                    low.z(), high.z());
     text += format("stamps    %.3f to %.3f s\n", to_seconds(stamps.first), to_seconds(stamps.last));
   }
+  text += format("objects   %zu that stand, %zu voxel blocks, %zu events\n", count_standing(report.world),
+                 report.world.blocks.size(), report.world.events.size());
   text += format("versions  schema %d, map %u, vocabulary %s, SQLite %s\n", store.schema_version,
                  store.meta.map_version, hex(store.meta.vocabulary).c_str(), store.sqlite_version.c_str());
   for (const StoreInfo::Rows& table : store.tables) {

@@ -12,6 +12,7 @@ struct MapReport {
   std::filesystem::path file;
   StoreInfo store;
   MapContent content;
+  WorldContent world;
 };
 
 nlohmann::ordered_json map_info_json(const MapReport& report);

@@ -29,7 +29,65 @@ double sigma(const double* cov, int first) {
   return std::sqrt(cov[first * 7] + cov[(first + 1) * 7] + cov[(first + 2) * 7]);
 }
 
+long long ll(std::int64_t value) {
+  return value;
+}
+
+std::string understanding_part(const health_t& m) {
+  if (m.views == 0 && m.views_dropped == 0) return "";
+  std::string text =
+      format(", %d objects %lld events, views %lld understood %lld, p50 %.1f p99 %.1f ms", m.objects, ll(m.events),
+             ll(m.views), ll(m.views_understood), m.understand_p50_ms, m.understand_p99_ms);
+  if (m.views_dropped > 0) text += format(", dropped %lld views", ll(m.views_dropped));
+  if (m.labels_received > 0) text += format(", labels %lld joined %lld", ll(m.labels_received), ll(m.labels_joined));
+  const std::pair<std::int64_t, const char*> faults[] = {
+      {m.labels_late, "late"}, {m.labels_missing, "missing"}, {m.labels_bad, "bad"}, {m.labels_dropped, "dropped"}};
+  for (const auto& [count, what] : faults) {
+    if (count > 0) text += format(", %lld labels %s", ll(count), what);
+  }
+  return text;
+}
+
+const char* type_name(int type) {
+  constexpr const char* kNames[] = {"appeared", "moved", "removed"};
+  return type >= 0 && type < 3 ? kNames[type] : "?";
+}
+
+double degrees(double angle_rad) {
+  return angle_rad * 180.0 / std::numbers::pi;
+}
+
+// "seen empty 10.0 to 12.0 s", or "never seen empty"
+std::string seen(const char* what, std::int64_t first_utime, std::int64_t last_utime) {
+  if (last_utime == 0) return std::string("never seen ") + what;
+  return format("seen %s %.1f to %.1f s", what, seconds(first_utime), seconds(last_utime));
+}
+
 }  // namespace
+
+std::string event_line(const object_event_t& m) {
+  const double *p = m.position, *s = m.size, *f = m.from_position;
+  std::string text = format("%14.3f s  %s event %lld: object %lld (%s) %s", seconds(m.utime), m.robot_id.c_str(),
+                            ll(m.seq), ll(m.object_id), m.class_name.c_str(), type_name(m.type));
+  if (m.type == object_event_t::MOVED) {
+    text += format(" from (%.2f, %.2f, %.2f) m %.0f deg to", f[0], f[1], f[2], degrees(m.from_yaw));
+  } else {
+    text += m.type == object_event_t::REMOVED ? " from" : " at";
+  }
+  text += format(" (%.2f, %.2f, %.2f) m %.0f deg, %.2f x %.2f x %.2f m, consistency %.2f, probability %.2f; ", p[0],
+                 p[1], p[2], degrees(m.yaw), s[0], s[1], s[2], m.consistency, m.probability);
+  return text + seen("empty", m.first_absent_utime, m.last_absent_utime) + ", " +
+         seen("there", m.first_present_utime, m.last_present_utime);
+}
+
+std::string object_line(const object_t& o) {
+  const double *p = o.position, *s = o.size;
+  return format(
+      "  %5lld %-12s x %8.3f  y %8.3f  z %7.3f m  yaw %7.2f deg  %.2f x %.2f x %.2f m  consistency %.2f  %d looks"
+      "  last %.1f s",
+      ll(o.id), o.class_name.c_str(), p[0], p[1], p[2], degrees(o.yaw), s[0], s[1], s[2], o.consistency, o.observations,
+      seconds(o.last_seen_utime));
+}
 
 const char* state_name(int state) {
   switch (state) {
@@ -72,6 +130,7 @@ std::string health_line(const health_t& m) {
   for (const drop_t& drop : m.drops) {
     if (drop.count > 0) text += format(", dropped %lld %s", static_cast<long long>(drop.count), drop.reason.c_str());
   }
+  text += understanding_part(m);
   if (m.map_store != health_t::NO_STORE) {
     text += format(", map stored %lld times", static_cast<long long>(m.map_commits));
     if (m.map_commits > 0) text += format(", %.0f s ago in %.0f ms", m.map_commit_age_s, m.map_commit_last_ms);

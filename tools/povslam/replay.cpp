@@ -18,7 +18,7 @@ struct ReplayArguments {
   std::string sequence, out, config, camera, frames, start, map;
   std::vector<std::string> overrides;
   bool realtime = false;
-  std::string mode = "static", poses = "estimated";
+  std::string mode = "static", poses = "estimated", labels = "auto";
 };
 
 constexpr int kFailure = 1;
@@ -33,13 +33,24 @@ DriverOptions driver_options(const ReplayArguments& arguments) {
   DriverOptions options{{"path", arguments.sequence}, {"realtime", arguments.realtime ? "true" : "false"}};
   if (!arguments.camera.empty()) options["camera"] = arguments.camera;
   if (!arguments.frames.empty()) options["frames"] = arguments.frames;
+  if (arguments.labels == "auto" || arguments.labels == "replay") {
+    options["labels"] = arguments.labels == "auto" ? "auto" : "true";
+  }
   return options;
 }
 
 Result<ReplaySettings> settings_from(const ReplayArguments& arguments) {
   Result<AppConfig> config = load_config(arguments.config, arguments.overrides);
   if (!config) return config.error();
-  ReplaySettings settings{std::move(*config), std::nullopt, arguments.map};
+  ReplaySettings settings{std::move(*config), std::nullopt, arguments.map, {}};
+  settings.config.pipeline.understanding.labels = arguments.labels;
+  if (arguments.poses == "groundtruth") {
+    if (arguments.realtime) return Error{"--poses groundtruth: not together with --realtime"};
+    Result<std::vector<StampedPose>> truth =
+        read_trajectory(std::filesystem::path(arguments.sequence) / "groundtruth.txt");
+    if (!truth) return Error{"--poses groundtruth: " + truth.error().message};
+    settings.true_poses = std::move(*truth);
+  }
   if (!arguments.start.empty()) {
     const Result<Rigid3> start = parse_pose(arguments.start);
     if (!start) return Error{"--start " + start.error().message};
@@ -95,8 +106,15 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->add_flag("--realtime", arguments->realtime, "Pace by the stamps in the daemon's threads; late frames drop");
   command->add_option("--mode", arguments->mode, "static: every feature counts, no reasoning about objects")
       ->check(CLI::IsMember({"static"}));
-  command->add_option("--poses", arguments->poses, "estimated: poses come from tracking")
-      ->check(CLI::IsMember({"estimated"}));
+  command
+      ->add_option(
+          "--poses", arguments->poses,
+          "estimated: poses come from tracking; groundtruth: objects and map are made with the recording's true poses")
+      ->check(CLI::IsMember({"estimated", "groundtruth"}));
+  command
+      ->add_option("--labels", arguments->labels,
+                   "What tells things apart. auto: the recording's labels if it has any, else geometric; off: nothing")
+      ->check(CLI::IsMember({"auto", "replay", "geometric", "off"}));
   command->callback([arguments, &exit_code] { exit_code = replay(*arguments); });
 }
 

@@ -9,6 +9,7 @@
 
 #include "daemon/app.hpp"
 #include "pipeline/base/log.hpp"
+#include "tools/povslam/replay_objects.hpp"
 #include "tools/povslam/scores/frame_list.hpp"
 #include "tools/povslam/scores/trajectory_report.hpp"
 
@@ -121,6 +122,7 @@ Status write_replay(const std::filesystem::path& out, const std::filesystem::pat
     return done.error();
   if (const Status done = write_text(out / "metrics.json", metrics_json(record).dump(2) + "\n"); !done)
     return done.error();
+  if (const Status done = write_objects(out, record); !done) return done.error();
   if (record.published.empty() || !std::filesystem::exists(sequence / "groundtruth.txt")) return Done{};
   if (const Status drawn = plot_against_truth(out, sequence, record); !drawn) {
     log::warn("trajectory.png: {}", drawn.error().message);

@@ -4,12 +4,14 @@
 #include <utility>
 
 #include "daemon/app.hpp"
+#include "daemon/config_file_classes.hpp"
 #include "daemon/stop_signal.hpp"
 #include "daemon/store.hpp"
 #include "pipeline/base/log.hpp"
 #include "pipeline/pipeline.hpp"
 #include "tools/povslam/delay_line.hpp"
 #include "tools/povslam/progress.hpp"
+#include "tools/povslam/true_poses.hpp"
 
 namespace povslam {
 namespace {
@@ -44,6 +46,26 @@ class Recorder {
     record_.stages_ms[static_cast<std::size_t>(stage)].push_back(static_cast<float>(ms));
   }
 
+  // With true poses these are what there is to be known of a frame.
+  void add_true(TimeNs stamp, const Rigid3& T_world_camera) { true_.push_back({stamp, T_world_camera}); }
+
+  void add_understood(const Understood& done) {
+    const auto stage = [this](Stage s, float ms) { record_.stages_ms[static_cast<std::size_t>(s)].push_back(ms); };
+    stage(Stage::segment, done.times.segment_ms);
+    stage(Stage::associate, done.times.associate_ms);
+    stage(Stage::integrate, done.times.integrate_ms);
+    add_events(done);
+  }
+  void add_events(const Understood& done) {
+    record_.events.insert(record_.events.end(), done.events.begin(), done.events.end());
+  }
+
+  void add_world(Understanding& understanding) {
+    record_.objects = understanding.objects();
+    record_.labels = understanding.labels();
+    understanding.mesh(record_.mesh);
+  }
+
   // Corrected poses from where the keyframes are now; a frame whose keyframe is unknown keeps its published pose.
   void correct(const Pipeline& pipeline) {
     record_.loops = pipeline.loops();
@@ -52,6 +74,8 @@ class Recorder {
       const std::optional<Rigid3> T_world_keyframe = pipeline.keyframe_pose(anchors_[i].keyframe);
       if (T_world_keyframe) record_.smoothed[i].T_world_sensor = *T_world_keyframe * anchors_[i].T_keyframe_camera;
     }
+    if (true_.empty()) return;
+    record_.published = record_.smoothed = true_;
   }
 
   ReplayRecord& record() { return record_; }
@@ -59,6 +83,7 @@ class Recorder {
  private:
   ReplayRecord record_;
   std::vector<Anchor> anchors_;
+  std::vector<StampedPose> true_;
 };
 
 class RecordingSink : public Sink {
@@ -68,6 +93,7 @@ class RecordingSink : public Sink {
     recorder_.add(frame.pose, frame.map);
     progress_.step();
   }
+  void on_event(const ObjectEvent& event) override { recorder_.record().events.push_back(event); }
 
  private:
   Recorder& recorder_;
@@ -78,11 +104,17 @@ class RecordingSink : public Sink {
 class SingleThread {
  public:
   SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body,
-               OpenedStore* map)
+               ClassTable classes, OpenedStore* map)
       : backend_options_(settings.config.pipeline.backend),
         store_(map == nullptr ? nullptr : &map->store),
         pipeline_(settings.config.pipeline, calibration, T_world_body, begun_with(map)),
-        answers_(settings.config.pipeline.backend.delay_frames) {}
+        answers_(settings.config.pipeline.backend.delay_frames),
+        true_poses_(settings.true_poses),
+        view_period_(from_seconds(settings.config.pipeline.understanding.period_s)) {
+    if (settings.config.pipeline.understanding.labels == "off") return;
+    understanding_.emplace(settings.config.pipeline.understanding, calibration, std::move(classes),
+                           map == nullptr ? nullptr : &map->world);
+  }
 
   void track(const RgbdFrame& frame, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
@@ -91,12 +123,34 @@ class SingleThread {
     recorder.add(pose, pipeline_.map_size());
     tracking_cpu_ += thread_cpu_now() - begun;
     while (const auto job = pipeline_.take_job()) run(*job, recorder);
-    if (store_ != nullptr) store(pipeline_.take_change());
+    if (store_ != nullptr) store(pipeline_.take_change(), understanding_ ? understanding_->take_change() : nullptr);
+    if (true_poses_.empty()) {
+      if (understanding_ && pipeline_.view_due()) understand_from(frame, std::nullopt, recorder);
+    } else if (const auto T_world_camera = true_poses_.at(frame.stamp)) {
+      recorder.add_true(frame.stamp, *T_world_camera);
+      if (understanding_ && frame.stamp >= next_true_view_) understand_from(frame, T_world_camera, recorder);
+    }
     ++frame_;
   }
 
+  void take(const LabelFrame& labels, Recorder& recorder) {
+    if (!understanding_) return;
+    understanding_->add(labels);
+    understand(recorder);
+  }
+
+  void understand_rest(Recorder& recorder) {
+    if (!understanding_) return;
+    understanding_->stop_waiting();
+    understand(recorder);
+    recorder.add_events(understanding_->finish());
+    recorder.add_world(*understanding_);
+  }
+
   void store_rest() {
-    if (store_ != nullptr) store(pipeline_.collect_change());
+    if (store_ != nullptr) {
+      store(pipeline_.collect_change(), understanding_ ? understanding_->collect_change() : nullptr);
+    }
   }
   const std::string& store_failure() const { return store_failure_; }  // empty: none
 
@@ -104,6 +158,23 @@ class SingleThread {
   TimeNs tracking_cpu() const { return tracking_cpu_; }
 
  private:
+  void understand_from(const RgbdFrame& frame, const std::optional<Rigid3>& T_world_camera, Recorder& recorder) {
+    pipeline_.fill_view(frame, view_);
+    if (T_world_camera) {
+      view_.T_world_camera = *T_world_camera;
+      view_.trusted = true;
+      next_true_view_ = frame.stamp + view_period_;
+    }
+    understanding_->add(std::move(view_));
+    understand(recorder);
+  }
+  void understand(Recorder& recorder) {
+    while (const Understood* done = understanding_->step()) {
+      recorder.add_understood(*done);
+      pipeline_.take_owners(done->owners);
+    }
+  }
+
   void run(const BackendJob& job, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
     solve(job, backend_options_);
@@ -111,12 +182,13 @@ class SingleThread {
     answers_.push(frame_, job);
   }
 
-  void store(MapChange* change) {
-    if (change == nullptr) return;
-    const Result<CommitReport> done = store_->commit(*change);
+  void store(MapChange* map, WorldChange* world) {
+    if (map == nullptr && world == nullptr) return;
+    const Result<CommitReport> done = store_->commit(map, world);
     if (!done && store_failure_.empty()) store_failure_ = done.error().message;
     if (done && done->rows_left_out > 0) log::warn("{} rows not stored: {}", done->rows_left_out, done->why_left_out);
-    pipeline_.give_back(change);
+    if (map != nullptr) pipeline_.give_back(map);
+    if (world != nullptr) understanding_->give_back(world);
   }
 
   static const MapContent* begun_with(const OpenedStore* map) {
@@ -128,6 +200,10 @@ class SingleThread {
   std::string store_failure_;
   Pipeline pipeline_;
   DelayLine<BackendJob> answers_;
+  std::optional<Understanding> understanding_;
+  View view_;
+  TruePoses true_poses_;
+  TimeNs view_period_, next_true_view_ = 0;
   std::int64_t frame_ = 0;
   TimeNs tracking_cpu_ = 0;
 };
@@ -158,6 +234,8 @@ void feed(Driver& driver, SingleThread& journey, Recorder& recorder, Progress& p
     if (next.kind == Next::Kind::bad) {
       log::warn("{}", next.message);
       drop(DropReason::bad_frame);
+    } else if (frame.kind == SensorKind::labels) {
+      journey.take(frame.labels, recorder);
     } else if (frame.kind != SensorKind::rgbd || frame.sensor != 0) {
       drop(DropReason::unused);
     } else {
@@ -187,13 +265,19 @@ Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver
     if (!opened) return Error{"--map " + opened.error().message};
     map.emplace(std::move(*opened));
   }
-  SingleThread journey(settings, calibration, T_world_body, map ? &*map : nullptr);
+  Result<ClassTable> classes = choose_class_table(settings.config.labels, setup->label_table);
+  if (!classes) return classes.error();
+  ReplaySettings chosen = settings;
+  std::string& labels = chosen.config.pipeline.understanding.labels;
+  if (labels == "auto") labels = setup->label_table ? "replay" : "geometric";
+  SingleThread journey(chosen, calibration, T_world_body, std::move(*classes), map ? &*map : nullptr);
   Recorder recorder;
   {
     Progress progress("replay", setup->num_frames.value_or(0));
     feed(driver, journey, recorder, progress, stop);
   }
   driver.close();
+  journey.understand_rest(recorder);
   journey.store_rest();
   if (!journey.store_failure().empty()) recorder.record().failure = journey.store_failure();
   recorder.correct(journey.pipeline());
@@ -224,6 +308,7 @@ Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::un
   (*app)->stop();
   ReplayRecord& record = recorder.record();
   recorder.correct((*app)->pipeline());
+  if (Understanding* understanding = (*app)->understanding()) recorder.add_world(*understanding);
   const Counters& counters = (*app)->counters();
   for (std::size_t i = 0; i < kNumDropReasons; ++i) record.drops[i] = counters.drops[i].load();
   record.tracking_cpu_s = to_seconds(counters.tracking_cpu.load());

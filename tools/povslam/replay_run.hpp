@@ -11,6 +11,7 @@
 #include "drivers/driver.hpp"
 #include "drivers/replay/trajectory_file.hpp"
 #include "pipeline/output.hpp"
+#include "pipeline/understanding.hpp"
 
 namespace povslam {
 
@@ -18,11 +19,12 @@ struct ReplaySettings {
   AppConfig config;                            // sensors[0] says the mount; the frames come from the driver given
   std::optional<Rigid3> T_world_camera_start;  // else config.start
   std::filesystem::path map;                   // store to begin with and to go on writing to; empty: none
+  std::vector<StampedPose> true_poses;         // T_world_camera in place of the tracked ones; empty: those
 };
 
-enum class Stage : std::uint8_t { features, track, keyframe, smooth, close_loop, total };
-inline constexpr std::array<const char*, 6> kStageNames = {"features", "track",      "keyframe",
-                                                           "smooth",   "close_loop", "total"};
+enum class Stage : std::uint8_t { features, track, keyframe, smooth, close_loop, segment, associate, integrate, total };
+inline constexpr std::array<const char*, 9> kStageNames = {"features", "track",     "keyframe",  "smooth", "close_loop",
+                                                           "segment",  "associate", "integrate", "total"};
 
 struct MapAt {
   TimeNs stamp = 0;
@@ -31,13 +33,17 @@ struct MapAt {
 
 struct ReplayRecord {
   std::size_t frames = 0, tracked = 0, lost = 0;
-  std::vector<StampedPose> published;           // as published when the frame was tracked
-  std::vector<StampedPose> smoothed;            // the same frames after all later corrections
-  std::array<std::vector<float>, 6> stages_ms;  // by Stage; CPU of the working thread
-  std::vector<MapAt> map;                       // after each frame, as many as stages_ms has
-  std::array<std::int64_t, 6> drops{};          // by DropReason
+  std::vector<StampedPose> published;                            // as published when the frame was tracked
+  std::vector<StampedPose> smoothed;                             // the same frames after all later corrections
+  std::array<std::vector<float>, kStageNames.size()> stages_ms;  // by Stage; CPU of the working thread
+  std::vector<MapAt> map;                                        // after each frame, as many as stages_ms has
+  std::array<std::int64_t, 6> drops{};                           // by DropReason
   double wall_s = 0.0, cpu_s = 0.0, tracking_cpu_s = 0.0, feeder_cpu_s = 0.0;
   LoopCounts loops;
+  std::vector<ObjectEvent> events;
+  std::vector<ObjectRecord> objects;  // at the end
+  LabelCounts labels;
+  Mesh mesh;            // of what stands at the end
   std::string failure;  // why it ended early; empty: it did not
 };
 

@@ -219,7 +219,7 @@ TEST_F(Recording, GivesLabelsRightAfterTheirFrame) {
   EXPECT_THAT(run({{"labels", "true"}}).open_error, HasSubstr("there is no label.txt"));
   EXPECT_THAT(run({{"labels", "auto"}}).frames, testing::SizeIs(3));
   write("label.txt", "1.005 label/1.png\n2 label/2.png\n3 label/3.png\n");
-  write("classes.csv", "id,name,kind\n");
+  write("classes.csv", "id,name,kind\n13,pallet,semi_static\n");
   for (int i = 1; i <= 3; ++i) {
     image("label/" + std::to_string(i) + ".png", CV_8UC1, 10 + i);
     image("instance/" + std::to_string(i) + ".png", CV_16UC1, 300 + i);
@@ -233,7 +233,14 @@ TEST_F(Recording, GivesLabelsRightAfterTheirFrame) {
     EXPECT_EQ(r.last.labels.instances.at(3, 3), 303);
     EXPECT_THAT(r.last.labels.table_name, HasSubstr("classes.csv"));
     EXPECT_EQ(r.setup.sensors[1].kind, SensorKind::labels);
+    ASSERT_TRUE(r.setup.label_table);
+    EXPECT_EQ(r.setup.label_table->name, r.last.labels.table_name);
+    EXPECT_EQ(r.setup.label_table->classes.at(0).name, "pallet");
   }
+  EXPECT_FALSE(run().setup.label_table) << "no labels asked for";
+  write("classes.csv", "id,name,kind\n13,pallet,movable\n");
+  EXPECT_THAT(run({{"labels", "auto"}}).open_error, HasSubstr("classes.csv:2: kind"));
+  fs::remove(folder_ / "classes.csv");
   fs::remove(folder_ / "label/3.png");
   EXPECT_THAT(run({{"labels", "true"}}).bad,
               testing::Contains(AllOf(HasSubstr("label.txt:3: "), HasSubstr("no such file"))));
@@ -306,6 +313,9 @@ TEST_F(Recording, OfTheWarehouseDataSetIsReadAsItIs) {
   EXPECT_EQ(r.frames.front(), "rgbd 0 1600000000000 ms");
   EXPECT_EQ(r.last.labels.classes.at(100, 100), 6);
   EXPECT_EQ(r.last.labels.table_name, "torwic");
+  ASSERT_TRUE(r.setup.label_table);
+  EXPECT_EQ(r.setup.label_table->name, "torwic");
+  EXPECT_TRUE(r.setup.label_table->classes.empty()) << "the built-in table of that name";
   EXPECT_THAT(r.bad, testing::Contains(HasSubstr("frame_times.txt:3: no stamp")));
   const Eigen::Vector3d axis_body = r.setup.sensors[0].T_body_sensor.rotation * Eigen::Vector3d::UnitZ();
   EXPECT_NEAR(std::atan2(axis_body.y(), axis_body.x()) * 57.2958, 26.0, 0.1) << "the left camera looks left of forward";

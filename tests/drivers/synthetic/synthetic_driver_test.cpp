@@ -53,6 +53,8 @@ TEST(SyntheticDriver, DeliversEveryFrameInOrderAndEnds) {
   ASSERT_TRUE(setup);
   ASSERT_EQ(setup->sensors.size(), 3U);
   EXPECT_EQ(setup->num_frames, 12U);
+  ASSERT_TRUE(setup->label_table);
+  EXPECT_EQ(setup->label_table->name, "synthetic");
   SensorFrame frame;
   std::vector<TimeNs> last(3, 0);
   std::vector<int> count(3, 0);

@@ -128,4 +128,45 @@ TEST(SpscRing, LosesNothingUncountedWhenClosedFromAThirdThread) {
   }
 }
 
+TEST(Doorbell, WakesOneThreadThatWaitsForTwoRings) {
+  Doorbell bell;
+  SpscRing<int> left(4, &bell), right(4, &bell);
+  long sum = 0;
+  std::thread consumer([&] {
+    for (;;) {
+      const std::uint32_t rung = bell.count();
+      const bool last = left.closed() && right.closed();
+      while (const auto value = left.try_pop()) sum += *value;
+      while (const auto value = right.try_pop()) sum += *value;
+      if (last) return;
+      bell.wait(rung);
+    }
+  });
+  const auto produce_numbers = [](SpscRing<int>& ring) {
+    for (int i = 1; i <= 10000;) {
+      if (ring.try_push(int{i})) {
+        ++i;
+      } else {
+        std::this_thread::yield();
+      }
+    }
+    ring.close();
+  };
+  std::thread other([&] { produce_numbers(left); });
+  produce_numbers(right);
+  other.join();
+  consumer.join();
+  EXPECT_EQ(sum, 2 * 10000L * 10001L / 2);
+}
+
+TEST(Doorbell, DoesNotSleepThroughAPushBetweenLookingAndWaiting) {
+  Doorbell bell;
+  SpscRing<int> ring(4, &bell);
+  const std::uint32_t rung = bell.count();
+  EXPECT_FALSE(ring.try_pop());
+  EXPECT_TRUE(ring.try_push(1));
+  bell.wait(rung);  // would hang
+  EXPECT_EQ(ring.try_pop(), 1);
+}
+
 }  // namespace povslam

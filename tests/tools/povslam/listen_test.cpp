@@ -113,6 +113,87 @@ TEST_F(Listen, RefusesACameraThatIsNoPose) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("--camera"));
 }
 
+object_event_t event_at(std::int64_t seq, std::int8_t type) {
+  object_event_t message{};
+  message.utime = 3'000'000;
+  message.seq = seq;
+  message.robot_id = "r2";
+  message.type = type;
+  message.object_id = 12;
+  message.class_name = "box";
+  message.position[0] = 1.5;
+  message.from_position[0] = 4.5;
+  message.last_absent_utime = 2'000'000;
+  return message;
+}
+
+object_list_t part_of(std::int64_t snapshot, int part, int parts, int total, int objects) {
+  object_list_t message{};
+  message.robot_id = "r2";
+  message.snapshot = snapshot;
+  message.part = part;
+  message.parts = parts;
+  message.num_total = total;
+  message.num_objects = objects;
+  message.objects.resize(static_cast<std::size_t>(objects));
+  for (object_t& object : message.objects) object.class_name = "crate";
+  return message;
+}
+
+TEST_F(Listen, ShowsEventsAndHowManyObjectsThereAre) {
+  {
+    lcm::LCM lcm("file://" + log_ + "?mode=w");
+    const object_event_t moved = event_at(4, object_event_t::MOVED), removed = event_at(6, object_event_t::REMOVED);
+    const object_list_t list = part_of(1, 0, 1, 2, 2), again = part_of(2, 0, 1, 2, 2);
+    lcm.publish(kObjectEventChannel, &moved);
+    lcm.publish(kObjectEventChannel, &removed);
+    lcm.publish(kObjectsChannel, &list);
+    lcm.publish(kObjectsChannel, &again);
+  }
+  std::string shown = listen({});
+  EXPECT_THAT(shown,
+              HasSubstr("r2 event 4: object 12 (box) moved from (4.50, 0.00, 0.00) m 0 deg to (1.50, 0.00, 0.00)"));
+  EXPECT_THAT(shown, HasSubstr("1 events missed"));
+  EXPECT_THAT(shown, HasSubstr("object 12 (box) removed from (1.50, 0.00, 0.00)"));
+  EXPECT_EQ(lines_with(shown, "objects: 2"), 1u);
+  EXPECT_THAT(shown, Not(HasSubstr("crate")));
+  shown = listen({"--channel", kObjectsChannel});
+  EXPECT_EQ(lines_with(shown, "objects: 2"), 2u);
+  EXPECT_EQ(lines_with(shown, "crate"), 4u);
+  EXPECT_THAT(shown, Not(HasSubstr("event")));
+}
+
+TEST(ObjectSnapshots, AreWholeWhenAllPartsAreThereInAnyOrder) {
+  ObjectSnapshots snapshots;
+  EXPECT_FALSE(snapshots.add(part_of(1, 2, 3, 5, 1)));
+  EXPECT_FALSE(snapshots.add(part_of(1, 0, 3, 5, 2)));
+  EXPECT_FALSE(snapshots.add(part_of(1, 0, 3, 5, 2)));  // twice
+  const auto whole = snapshots.add(part_of(1, 1, 3, 5, 2));
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->size(), 5u);
+  EXPECT_FALSE(snapshots.add(part_of(1, 1, 3, 5, 2))) << "told once";
+}
+
+TEST(ObjectSnapshots, DoNotMixTwo) {
+  ObjectSnapshots snapshots;
+  EXPECT_FALSE(snapshots.add(part_of(1, 0, 2, 4, 2)));
+  EXPECT_FALSE(snapshots.add(part_of(2, 1, 2, 4, 2)));
+  EXPECT_FALSE(snapshots.add(part_of(1, 1, 2, 4, 2))) << "given up";
+  EXPECT_TRUE(snapshots.add(part_of(2, 0, 2, 4, 2)));
+  object_list_t restarted = part_of(0, 0, 1, 0, 0);
+  restarted.session_id = 7;
+  EXPECT_TRUE(snapshots.add(restarted));
+}
+
+TEST(ObjectSnapshots, LeaveOutNonsense) {
+  ObjectSnapshots snapshots;
+  EXPECT_FALSE(snapshots.add(part_of(1, 0, 0, 0, 0)));
+  EXPECT_FALSE(snapshots.add(part_of(1, -1, 1, 0, 0)));
+  EXPECT_FALSE(snapshots.add(part_of(1, 5, 2, 0, 0)));
+  EXPECT_FALSE(snapshots.add(part_of(1, 0, 2'000'000'000, 0, 0)));
+  EXPECT_FALSE(snapshots.add(part_of(1, 0, 1, 9, 2))) << "fewer than it says";
+}
+
 TEST(MessageText, NamesEveryStateAndEveryDrop) {
   EXPECT_STREQ(state_name(pose_t::INITIALISING), "INITIALISING");
   EXPECT_STREQ(state_name(42), "?");

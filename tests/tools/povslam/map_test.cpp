@@ -8,6 +8,7 @@
 
 #include "daemon/store.hpp"
 #include "tests/support/made_map.hpp"
+#include "tests/support/made_world.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/povslam/map_occupancy.hpp"
 #include "tools/povslam/map_ply.hpp"
@@ -115,6 +116,30 @@ class Map : public testing::Test {
   TempFolder folder_;
 };
 
+TEST(MapWorld, ShowsWhatStandsInAStoreAndItsEvents) {
+  const TempFolder folder;
+  const std::string file = (folder.path() / "map.db").string();
+  made::WorldMaker worlds({});
+  {
+    auto store = MapStore::open(file, StoreMode::read_write);
+    ASSERT_TRUE(store);
+    for (int i = 0; i < 6; ++i) ASSERT_TRUE(store->commit(worlds.next()));
+  }
+  const WorldContent truth = worlds.truth().content();
+  const auto json = nlohmann::json::parse(run({"info", file, "--json"}).output);
+  EXPECT_EQ(json["tables"]["objects"]["rows"], truth.objects.size());
+  EXPECT_EQ(json["tables"]["empty_cells"]["rows"], truth.empty_cells.size());
+  EXPECT_EQ(json["voxel_blocks"], truth.blocks.size());
+  EXPECT_EQ(json["next_event"], truth.meta.next_event_seq);
+  EXPECT_THAT(run({"info", file}).output, HasSubstr(std::to_string(truth.events.size()) + " events\n"));
+  EXPECT_THAT(run({"verify", file}).output, HasSubstr(std::to_string(truth.objects.size()) + " objects, "));
+  std::istringstream lines(run({"events", file}).output);
+  std::string line;
+  std::int64_t seq = 0;
+  while (std::getline(lines, line)) EXPECT_EQ(nlohmann::json::parse(line)["seq"], seq++);
+  EXPECT_EQ(seq, truth.meta.next_event_seq);
+}
+
 TEST_F(Map, InfoSaysWhatAStoreHolds) {
   const std::string store = stored();
   const Outcome text = run({"info", store});
@@ -127,14 +152,14 @@ TEST_F(Map, InfoSaysWhatAStoreHolds) {
   EXPECT_EQ(json["tables"]["looks"]["rows"], 1);
   EXPECT_EQ(json["extent_max_m"][1], 2.0);
   EXPECT_GT(json["file_bytes"], 4096);
-  EXPECT_EQ(json["schema_version"], 2);
+  EXPECT_EQ(json["schema_version"], 3);
 }
 
 TEST_F(Map, VerifyTellsASoundStoreFromADamagedOne) {
   const std::string store = stored();
   const Outcome sound = run({"verify", store});
   EXPECT_EQ(sound.exit_code, 0) << sound.errors;
-  EXPECT_THAT(sound.output, HasSubstr("sound; commit 1, 2 keyframes, 4 landmarks\n"));
+  EXPECT_THAT(sound.output, HasSubstr("sound; commit 1, 2 keyframes, 4 landmarks, 0 objects, 0 events\n"));
   std::string bytes = content(store);
   const std::size_t patch = bytes.find(std::string(100, char{77}));
   ASSERT_NE(patch, std::string::npos);

@@ -1,0 +1,63 @@
+// From what went and what came to events: a thing that went here and came there moved. Each change is told once.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "pipeline/objects/appearance.hpp"
+#include "pipeline/objects/object_event.hpp"
+
+namespace povslam {
+
+struct PlaceChange {  // a thing went from a place, or came to one
+  std::int64_t object = -1;
+  std::string class_name;
+  ObjectPlace place;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  double consistency = 0.0;
+  double probability = 0.0;
+  Evidence evidence;
+  Appearance appearance;
+  TimeNs decided = 0;
+};
+
+struct EventDeskOptions {
+  TimeNs hold = 8 * kNsPerSecond;       // an event waits so long for its other half
+  double max_size_ratio = 1.35;         // between two looks at one thing, each extent…
+  double min_likeness = 0.5;            // of their looks, to pair a thing with one whose coming was not noticed…
+  double max_unnoticed_m = 3.0;         // …and how far that may be
+  double max_size_difference_m = 0.15;  // …or this much
+};
+
+class EventDesk {
+ public:
+  // next_seq: of the first event. renamed(came, gone): the thing that came is known by its old id from now on.
+  EventDesk(const EventDeskOptions& options, std::int64_t next_seq,
+            std::function<void(std::int64_t came, std::int64_t gone)> renamed);
+
+  void gone(PlaceChange change);
+  void came(PlaceChange change);
+  // A thing whose place had not been seen before: it came if it is one that went, else it was always there.
+  void found(PlaceChange change);
+  // A thing that was to come is none after all.
+  void withdraw(std::int64_t object);
+  // Appends what is decided by now, in order of decision.
+  void decide(TimeNs now, std::vector<ObjectEvent>& events);
+  void decide_all(TimeNs now, std::vector<ObjectEvent>& events);
+  std::int64_t next_seq() const { return next_seq_; }
+  void continue_at(std::int64_t next_seq) { next_seq_ = next_seq; }
+  bool holds_gone(std::int64_t object) const;
+
+ private:
+  ObjectEvent make(ObjectEventType type, const PlaceChange& change, TimeNs now);
+  bool alike(const PlaceChange& gone, const PlaceChange& came) const;
+  std::vector<PlaceChange>::iterator origin_of(const PlaceChange& came, bool noticed);
+  void pair_with_gone(std::vector<PlaceChange>& things, bool noticed, TimeNs now, std::vector<ObjectEvent>& events);
+
+  EventDeskOptions options_;
+  std::int64_t next_seq_;
+  std::function<void(std::int64_t, std::int64_t)> renamed_;
+  std::vector<PlaceChange> gone_, came_, found_;
+};
+
+}  // namespace povslam

@@ -1,0 +1,428 @@
+#include "pipeline/objects/library.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pipeline/base/time.hpp"
+#include "pipeline/objects/merge.hpp"
+#include "pipeline/objects/restore_block.hpp"
+#include "pipeline/objects/state.hpp"
+
+namespace povslam {
+namespace {
+
+constexpr double kShapeLooks = 0.5;    // that make a surface point count…
+constexpr double kShapeShare = 0.3;    // …or this share of all, of a thing hardly seen
+constexpr double kAssumedDepth = 1.0;  // see refresh_shape
+constexpr TimeNs kEmptyBefore = kNsPerSecond;
+constexpr std::size_t kOldPlaces = 256;
+
+bool may_be_seen(const Box& box, const DepthView& view, double max_depth_m) {
+  const Eigen::Vector3d p = view.T_world_camera.inverse() * box.center;
+  const double radius = 0.5 * box.size_m.norm() + 0.1;
+  if (p.z() < -radius || p.z() - radius > max_depth_m) return false;
+  const double z = std::max(p.z(), 0.1);
+  const double slack_x = radius / view.camera.fx * view.camera.fx / z, slack_y = slack_x;
+  const double right = (view.camera.width - view.camera.cx) / view.camera.fx, left = view.camera.cx / view.camera.fx;
+  const double down = (view.camera.height - view.camera.cy) / view.camera.fy, up = view.camera.cy / view.camera.fy;
+  return p.x() / z < right + slack_x && p.x() / z > -left - slack_x && p.y() / z < down + slack_y &&
+         p.y() / z > -up - slack_y;
+}
+
+double shape_weight(const MapObject& object) {
+  return std::min(kShapeLooks, kShapeShare * object.looks);
+}
+
+double look_weight(double depth_m, const IntegrateOptions& options) {
+  const double sigma = std::hypot(options.depth_sigma_floor_m, options.depth_sigma_quadratic_per_m * depth_m * depth_m);
+  return std::min(1.0, kGoodSigma_m * kGoodSigma_m / (sigma * sigma));
+}
+
+double farthest_m(const DepthView& view) {
+  float most = 0.0F;
+  for (const float z : view.depth_m.pixels()) most = std::max(most, z);
+  return static_cast<double>(most);
+}
+
+EventDeskOptions desk_options(const LifeOptions& life) {
+  EventDeskOptions options;
+  options.hold = from_seconds(life.hold_s);
+  return options;
+}
+
+}  // namespace
+
+ObjectLibrary::ObjectLibrary(const ObjectOptions& options, const VolumeOptions& volume,
+                             const IntegrateOptions& integrate, ClassTable classes)
+    : options_(options),
+      volume_options_(volume),
+      integrate_options_(integrate),
+      classes_(std::move(classes)),
+      unknown_class_(make_class(0, "unknown", ClassKind::semi_static)),
+      desk_(desk_options(options.life), 0,
+            [this](std::int64_t came, std::int64_t gone) { renamed_.emplace_back(came, gone); }) {}
+
+const ObjectClass& ObjectLibrary::class_of(const MapObject& object) const {
+  const ObjectClass* row = classes_.find(object.class_id());
+  return row == nullptr ? unknown_class_ : *row;
+}
+
+std::vector<MapObject*> ObjectLibrary::in_reach(const DepthView& view) const {
+  std::vector<MapObject*> reach;
+  const double max_depth_m = farthest_m(view);
+  for (const auto& object : objects_) {
+    if (may_be_seen(object->box_world(), view, max_depth_m)) reach.push_back(object.get());
+  }
+  return reach;
+}
+
+void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empty, DepthView& view, LibraryStep& step) {
+  step = {};
+  const std::vector<MapObject*> reach = in_reach(view);
+  const std::vector<const MapObject*> known(reach.begin(), reach.end());
+  Association association = associate(extraction.observations, known, options_.associate);
+  mark_owners(association, extraction.observations, known, view);
+
+  std::vector<const Match*> match_of(reach.size(), nullptr);
+  object_of_owner_.clear();
+  for (const Match& match : association.matches) {
+    match_of[static_cast<std::size_t>(match.object)] = &match;
+    object_of_owner_[match.owner] = reach[static_cast<std::size_t>(match.object)]->id;
+  }
+  for (std::size_t j = 0; j < reach.size(); ++j) {
+    MapObject& object = *reach[j];
+    const SurfaceLook look = look_at(object.surface, view, object.T_world_volume, options_.life.margin_m);
+    if (match_of[j] != nullptr) {
+      take(*match_of[j], object, extraction, view, look);
+      confirm(object, empty);
+    } else {
+      miss(object, look, view.stamp);
+    }
+    step.changed.push_back(object.id);
+  }
+  for (std::size_t u = 0; u < association.unclaimed.size(); ++u) {
+    const Observation& unclaimed = extraction.observations[static_cast<std::size_t>(association.unclaimed[u])];
+    if (!inside_known(unclaimed, reach)) start(unclaimed, association.unclaimed_owner[u], view);
+  }
+  divide(association, extraction, reach, step);
+  merge_duplicates(association, reach, step);
+  drop_unbelieved(view.stamp, step);
+  desk_.decide(view.stamp, step.events);
+  for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone);
+}
+
+bool ObjectLibrary::contradicted(const SurfaceLook& look, const MapObject& object) const {
+  const int enough = std::min<int>(options_.life.visible_points, static_cast<int>(object.surface.size()) / 2);
+  return look.seen_through >= std::max(enough, 5) &&
+         look.seen_through > options_.life.visible_share * (look.agree + look.seen_through);
+}
+
+void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
+                         const SurfaceLook& look) {
+  const Observation& first = extraction.observations[static_cast<std::size_t>(match.observations[0])];
+  ++object.class_votes[first.class_id];
+  if (match.known_surface) {
+    BeliefOptions belief = options_.belief;
+    double noise = 0.0;
+    for (const float sigma : first.sigma_m) noise += static_cast<double>(sigma);
+    belief.tau_m = std::hypot(belief.tau_m, noise / static_cast<double>(first.sigma_m.size()));
+    const double change_m = belief.lambda_diff * match.registration.mean_distance_m;
+    object.belief = observe_change(object.belief, change_m, class_of(object), belief).belief;
+  }
+  if (contradicted(look, object)) return;  // part of it is gone: its shape must not be painted over
+  object.last_seen = view.stamp;
+  object.first_absent = object.last_absent = std::nullopt;
+  ++object.observations;
+  const Rigid3 T_world_volume = match.known_surface
+                                    ? match.registration.T_fitted_observed.inverse() * object.T_world_volume
+                                    : object.T_world_volume;
+  integrate(object.volume, view, match.owner, T_world_volume, integrate_options_);
+  object.looks += look_weight(first.median_depth_m, integrate_options_);
+  refresh_shape(object, shape_weight(object), kAssumedDepth);
+}
+
+// Absence is believed where the camera saw through the object's place; what still stands and was only not told apart
+// is not absent (see the design's method 1.5).
+void ObjectLibrary::miss(MapObject& object, const SurfaceLook& look, TimeNs now) {
+  const double share =
+      static_cast<double>(look.seen_through) / static_cast<double>(std::max<std::size_t>(1, object.surface.size()));
+  if (!contradicted(look, object) || share < 0.5 * options_.life.visible_share || look.seen_through < look.agree) {
+    if (look.agree > 2 * (look.seen_through + 10) && object.phase == ObjectPhase::confirmed) object.last_seen = now;
+    return;
+  }
+  if (!object.first_absent) object.first_absent = now;
+  object.last_absent = now;
+  object.belief = observe_change(object.belief, options_.belief.max_change_m, class_of(object), options_.belief).belief;
+}
+
+void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, const DepthView& view) {
+  if (observation.median_depth_m > options_.life.new_within_m) return;
+  const ObjectClass* row = classes_.find(observation.class_id);
+  const ObjectClass& object_class = row == nullptr ? unknown_class_ : *row;
+  const double extent = observation.box.size_m.maxCoeff();
+  if (extent < object_class.min_extent_m || extent > object_class.max_extent_m) return;
+  auto object = std::make_unique<MapObject>(next_id_++, volume_options_);
+  object->class_votes[observation.class_id] = 1;
+  object->belief = initial_belief(object_class, options_.belief);
+  object->T_world_volume = upright(observation.box.center, observation.box.yaw);
+  object->first_seen = object->last_seen = view.stamp;
+  object->observations = 1;
+  object->divided = observation.divided;
+  integrate(object->volume, view, owner, object->T_world_volume, integrate_options_);
+  object->looks = look_weight(observation.median_depth_m, integrate_options_);
+  refresh_shape(*object, shape_weight(*object), kAssumedDepth);
+  if (std::ssize(object->surface) < options_.extract.min_points / 2) return;
+  object_of_owner_[owner] = object->id;
+  objects_.push_back(std::move(object));
+}
+
+// What lies within an object that still stands is a part of it that was not told to be.
+bool ObjectLibrary::inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const {
+  constexpr double kGrow_m = 0.05;
+  for (const MapObject* object : reach) {
+    if (object->phase != ObjectPhase::confirmed || object->first_absent) continue;
+    if (object->class_id() != observation.class_id) continue;
+    const Box box = object->box_world();
+    std::size_t inside = 0;
+    for (const Eigen::Vector3f& p : observation.points_world) inside += box.contains(p.cast<double>(), kGrow_m) ? 1 : 0;
+    if (2 * inside > observation.points_world.size()) return true;
+  }
+  return false;
+}
+
+// Where another thing stood, or was seen not to stand any more, nothing else can have stood with it.
+bool ObjectLibrary::stands_in_old_place(const MapObject& object) const {
+  constexpr double kEnough = 0.15;
+  const Box box = object.box_world();
+  const auto in_the_way = [&](const Box& place) { return overlap(box, place).of_smaller > kEnough; };
+  return std::ranges::any_of(
+             old_places_,
+             [&](const OldPlace& old) { return old.last_present < object.first_seen && in_the_way(old.box); }) ||
+         std::ranges::any_of(objects_, [&](const auto& other) {
+           return other->first_absent && other->phase == ObjectPhase::confirmed &&
+                  other->last_seen < object.first_seen && in_the_way(other->box_world());
+         });
+}
+
+// Of its surface, what stands in space that was seen empty before it was first seen.
+double ObjectLibrary::share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const {
+  int came = 0, points = 0;
+  for (const SurfacePoint& point : object.surface) {
+    constexpr float kInside_m = 0.1F;  // a cell of which all lies within the object
+    const auto seen = empty.at(object.T_world_volume * (point.p_volume - kInside_m * point.normal).cast<double>());
+    ++points;
+    if (!seen || seen->times < 3 || seen->last >= object.first_seen) continue;
+    if (seen->first > object.first_seen - kEmptyBefore) continue;
+    ++came;
+    evidence.first_absent = std::min(evidence.first_absent.value_or(seen->first), seen->first);
+    evidence.last_absent = std::max(evidence.last_absent.value_or(seen->last), seen->last);
+  }
+  return static_cast<double>(came) / std::max(points, 1);
+}
+
+void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
+  if (object.phase != ObjectPhase::tentative || object.observations < options_.life.confirm_views) return;
+  if (std::ssize(object.surface) < options_.extract.min_points) return;
+  object.phase = ObjectPhase::confirmed;
+  Evidence evidence;
+  object.announced = true;
+  PlaceChange change = change_of(object, object.last_seen);
+  change.probability = object.belief.expected_consistency();
+  if (share_that_came(object, empty, evidence) < options_.life.empty_share && !stands_in_old_place(object)) {
+    desk_.found(std::move(change));
+    return;
+  }
+  change.evidence.first_absent = evidence.first_absent;
+  change.evidence.last_absent = evidence.last_absent;
+  desk_.came(std::move(change));
+}
+
+// What was taken for one thing from afar and is several gives way to them.
+void ObjectLibrary::divide(const Association& association, const Extraction& extraction,
+                           const std::vector<MapObject*>& reach, LibraryStep& step) {
+  constexpr int kViews = 3, kMost = 6;
+  std::vector<std::int64_t> divided;
+  for (const Match& match : association.matches) {
+    MapObject& object = *reach[static_cast<std::size_t>(match.object)];
+    const auto& parts = match.observations;
+    const bool several = parts.size() > 1 && std::ranges::all_of(parts, [&](int i) {
+                           return extraction.observations[static_cast<std::size_t>(i)].divided;
+                         });
+    object.seen_divided = std::clamp(object.seen_divided + (several ? 1 : -1), 0, kMost);
+    if (object.seen_divided < kViews || !several) continue;
+    divided.push_back(object.id);
+  }
+  for (const std::int64_t id : divided) {
+    desk_.withdraw(id);
+    erase(id, step);
+  }
+}
+
+void ObjectLibrary::merge_duplicates(const Association& association, const std::vector<MapObject*>& reach,
+                                     LibraryStep& step) {
+  std::vector<std::int64_t> merged;
+  const auto alive = [this](const MapObject* object) {
+    return std::ranges::any_of(objects_, [object](const auto& kept) { return kept.get() == object; });
+  };
+  for (const auto& [i, j] : association.one_seen_as) {
+    MapObject *a = reach[static_cast<std::size_t>(i)], *b = reach[static_cast<std::size_t>(j)];
+    if (!alive(a) || !alive(b)) continue;
+    if (b->first_seen < a->first_seen) std::swap(a, b);
+    const bool gone = std::ranges::count(merged, a->id) + std::ranges::count(merged, b->id) > 0;
+    const bool young = b->phase == ObjectPhase::tentative && !(a->divided && b->divided);
+    if (gone || (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap)) continue;
+    merge_into(*a, *b);
+    refresh_shape(*a, shape_weight(*a), kAssumedDepth);
+    merged.push_back(b->id);
+  }
+  for (const std::int64_t id : merged) {
+    desk_.withdraw(id);
+    erase(id, step);
+  }
+}
+
+void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
+  std::vector<std::int64_t> dropped;
+  for (const auto& object : objects_) {
+    const bool tentative = object->phase == ObjectPhase::tentative;
+    const bool forgotten = tentative && now - object->last_seen > from_seconds(options_.life.forget_tentative_s);
+    const bool unbelieved = object->belief.expected_consistency() < options_.belief.remove_below;
+    if (!forgotten && !unbelieved) continue;
+    dropped.push_back(object->id);
+    desk_.withdraw(object->id);
+    if (tentative || !object->last_absent) continue;
+    PlaceChange change = change_of(*object, now);
+    change.probability = 1.0 - object->belief.expected_consistency();
+    change.evidence.first_absent = object->first_absent;
+    change.evidence.last_absent = object->last_absent;
+    desk_.gone(std::move(change));
+    old_places_.push_back({object->box_world(), object->last_seen});
+    if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
+  }
+  for (const std::int64_t id : dropped) erase(id, step);
+}
+
+void ObjectLibrary::erase(std::int64_t id, LibraryStep& step) {
+  std::erase_if(objects_, [id](const auto& object) { return object->id == id; });
+  std::erase(step.changed, id);
+  step.removed.push_back(id);
+  for (auto it = owner_of_landmark_.begin(); it != owner_of_landmark_.end();) {
+    if (it->second.object != id) {
+      ++it;
+      continue;
+    }
+    step.owners.push_back({it->first, it->second.slot, -1});
+    it = owner_of_landmark_.erase(it);
+  }
+}
+
+// A thing that moved is known by the id it had.
+void ObjectLibrary::rename(std::int64_t came, std::int64_t gone) {
+  for (const auto& object : objects_) {
+    if (object->id == came) object->id = gone;
+  }
+  for (auto& [landmark, owned] : owner_of_landmark_) {
+    if (owned.object == came) owned.object = gone;
+  }
+  for (auto& [pixels, owner] : object_of_owner_) {
+    if (owner == came) owner = gone;
+  }
+}
+
+PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const {
+  PlaceChange change;
+  const Box box = object.box_world();
+  change.object = object.id;
+  change.class_name = class_of(object).name;
+  change.place = {box.center, box.yaw};
+  change.size_m = box.size_m;
+  change.consistency = object.belief.expected_consistency();
+  change.evidence.first_present = object.first_seen;
+  change.evidence.last_present = object.last_seen;
+  change.appearance = appearance_of(object.volume);
+  change.decided = now;
+  return change;
+}
+
+void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view,
+                                    LibraryStep& step) {
+  for (const SeenLandmark& seen : landmarks) {
+    const int x = static_cast<int>(std::lround(seen.x)), y = static_cast<int>(std::lround(seen.y));
+    if (x < 0 || y < 0 || x >= view.owner.width() || y >= view.owner.height()) continue;
+    const std::uint16_t pixel = view.owner.at(x, y);
+    const auto object = object_of_owner_.find(pixel);
+    if (pixel == kNobody || (pixel >= kFirstInstance && object == object_of_owner_.end())) continue;
+    const std::int64_t id = pixel == kStructure ? -1 : object->second;
+    const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, Owned{-1, seen.slot});
+    if (entry->second.object == id && entry->second.slot == seen.slot) continue;
+    entry->second.slot = seen.slot;
+    entry->second.object = id;
+    step.owners.push_back({seen.landmark, seen.slot, id});
+  }
+}
+
+void ObjectLibrary::finish(LibraryStep& step) {
+  step = {};
+  TimeNs now = 0;
+  for (const auto& object : objects_) now = std::max(now, object->last_seen);
+  desk_.decide_all(now, step.events);
+  for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone);
+}
+
+void ObjectLibrary::restore(const WorldMeta& meta) {
+  next_id_ = std::max(next_id_, meta.next_object);
+  desk_.continue_at(meta.next_event_seq);
+}
+
+void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks) {
+  const ObjectRecord& record = row.object;
+  VolumeOptions volume = volume_options_;
+  volume.voxel_size_m = row.voxel_size_m;
+  volume.truncation_m = row.truncation_m;
+  auto object = std::make_unique<MapObject>(record.id, volume);
+  object->phase = ObjectPhase::confirmed;
+  const auto named = std::ranges::find(classes_.classes, record.class_name, &ObjectClass::name);
+  object->class_votes[named == classes_.classes.end() ? unknown_class_.id : named->id] = record.observations;
+  object->belief = record.belief;
+  object->T_world_volume = row.T_world_volume;
+  object->first_seen = record.first_seen;
+  object->last_seen = record.last_seen;
+  object->first_absent = record.first_absent;
+  object->last_absent = record.last_absent;
+  object->observations = record.observations;
+  object->announced = row.announced;
+  for (const VoxelBlockRow* block : blocks) {
+    restore_block(*block, object->volume);
+    for (const std::uint16_t weight : block->weight) {
+      object->looks = std::max(object->looks, static_cast<double>(weight) / kWeightUnits);
+    }
+  }
+  refresh_shape(*object, shape_weight(*object), kAssumedDepth);
+  for (const std::int64_t landmark : record.landmarks) owner_of_landmark_[landmark] = {record.id, -1};
+  next_id_ = std::max(next_id_, record.id + 1);
+  objects_.push_back(std::move(object));
+}
+
+ObjectRecord ObjectLibrary::record_of(const MapObject& object) const {
+  const Box box = object.box_world();
+  ObjectRecord record;
+  record.id = object.id;
+  record.phase = object.phase;
+  record.class_name = class_of(object).name;
+  record.place = {box.center, box.yaw};
+  record.size_m = box.size_m;
+  record.belief = object.belief;
+  record.first_seen = object.first_seen;
+  record.last_seen = object.last_seen;
+  record.first_absent = object.first_absent;
+  record.last_absent = object.last_absent;
+  record.observations = object.observations;
+  for (const auto& [landmark, owned] : owner_of_landmark_) {
+    if (owned.object == object.id) record.landmarks.push_back(landmark);
+  }
+  std::sort(record.landmarks.begin(), record.landmarks.end());
+  return record;
+}
+
+}  // namespace povslam

@@ -1,0 +1,93 @@
+// The object library and its life cycle (POV-SLAM, Qian et al., RSS 2023, section III-F; POCD): what is seen again is
+// believed more and grows, what should be seen and is not is believed less and goes, what is new becomes an object once
+// it was seen often enough. Each change is told once.
+#pragma once
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "pipeline/mapping/empty_space.hpp"
+#include "pipeline/mapping/integrate.hpp"
+#include "pipeline/objects/associate.hpp"
+#include "pipeline/objects/event_desk.hpp"
+#include "pipeline/objects/extract.hpp"
+#include "pipeline/objects/view.hpp"
+#include "pipeline/objects/world_rows.hpp"
+
+namespace povslam {
+
+struct LibraryStep {  // what one view did
+  std::vector<ObjectEvent> events;
+  std::vector<LandmarkOwner> owners;  // that changed
+  std::vector<std::int64_t> changed;  // objects whose belief, place or shape changed
+  std::vector<std::int64_t> removed;
+};
+
+class ObjectLibrary {
+ public:
+  ObjectLibrary(const ObjectOptions& options, const VolumeOptions& volume, const IntegrateOptions& integrate,
+                ClassTable classes);
+
+  // Matches the view's observations and renames the owners of its pixels; integrates them into the objects' volumes.
+  // empty: where space was seen empty before this view. The view's pose is trusted.
+  void observe(const Extraction& extraction, const EmptySpace& empty, DepthView& view, LibraryStep& step);
+  // The landmarks seen on the objects of the view observed last.
+  void claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view, LibraryStep& step);
+  // Decides what was held back (end of a session).
+  void finish(LibraryStep& step);
+
+  const std::vector<std::unique_ptr<MapObject>>& objects() const { return objects_; }
+  const ClassTable& classes() const { return classes_; }
+  std::int64_t next_id() const { return next_id_; }
+  std::int64_t next_event_seq() const { return desk_.next_seq(); }
+  bool undecided(std::int64_t id) const { return desk_.holds_gone(id); }  // it went, no event tells so yet
+
+  // An earlier session's object, before the first view. Ids and numbers of events go on from the meta's.
+  void restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks);
+  void restore(const WorldMeta& meta);
+  ObjectRecord record_of(const MapObject& object) const;
+
+ private:
+  std::vector<MapObject*> in_reach(const DepthView& view) const;
+  void take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
+            const SurfaceLook& look);
+  void miss(MapObject& object, const SurfaceLook& look, TimeNs now);
+  bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const;
+  bool stands_in_old_place(const MapObject& object) const;
+  double share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const;
+  void start(const Observation& observation, std::uint16_t owner, const DepthView& view);
+  void confirm(MapObject& object, const EmptySpace& empty);
+  void divide(const Association& association, const Extraction& extraction, const std::vector<MapObject*>& reach,
+              LibraryStep& step);
+  void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
+  void drop_unbelieved(TimeNs now, LibraryStep& step);
+  void erase(std::int64_t id, LibraryStep& step);
+  void rename(std::int64_t came, std::int64_t gone);
+  bool contradicted(const SurfaceLook& look, const MapObject& object) const;
+  const ObjectClass& class_of(const MapObject& object) const;
+  PlaceChange change_of(const MapObject& object, TimeNs now) const;
+
+  ObjectOptions options_;
+  VolumeOptions volume_options_;
+  IntegrateOptions integrate_options_;
+  ClassTable classes_;
+  ObjectClass unknown_class_;
+  std::vector<std::unique_ptr<MapObject>> objects_;
+  std::int64_t next_id_ = 1;
+  EventDesk desk_;
+  std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view
+  struct Owned {
+    std::int64_t object = -1;
+    std::int32_t slot = -1;
+  };
+  std::unordered_map<std::int64_t, Owned> owner_of_landmark_;
+  struct OldPlace {  // of an object that went
+    Box box;
+    TimeNs last_present = 0;
+  };
+  std::vector<OldPlace> old_places_;                            // the latest
+  std::vector<std::pair<std::int64_t, std::int64_t>> renamed_;  // came, gone: by the desk, in this step
+};
+
+}  // namespace povslam

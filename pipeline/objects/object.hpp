@@ -1,0 +1,49 @@
+// One thing of the library: where it is, what it looks like, what is believed of it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "pipeline/mapping/compare.hpp"
+#include "pipeline/mapping/volume.hpp"
+#include "pipeline/objects/box_fit.hpp"
+#include "pipeline/objects/object_event.hpp"
+
+namespace povslam {
+
+struct MapObject {
+  MapObject(std::int64_t its_id, const VolumeOptions& options) : id(its_id), volume(options) {}
+
+  std::int64_t id;
+  ObjectPhase phase = ObjectPhase::tentative;
+  std::map<std::uint16_t, int> class_votes;  // by class id, observations
+  Belief belief;
+
+  Volume volume;
+  Rigid3 T_world_volume;              // upright: turned about z only
+  std::vector<SurfacePoint> surface;  // of the volume as it is, in the volume's frame
+  std::vector<std::uint8_t> missed;   // by surface point: views in a row that saw through it
+  Box box;                            // of the surface, in the volume's frame
+
+  TimeNs first_seen = 0, last_seen = 0;
+  std::optional<TimeNs> first_absent, last_absent;  // since it was last seen in its place
+  int observations = 0;
+  double looks = 0.0;      // sum over its views of a look's weight at its depth (kGoodSigma_m)
+  bool divided = false;    // seen beside another of its class, told apart from it
+  int seen_divided = 0;    // views that showed several things where it is, less those that showed one
+  bool announced = false;  // an event told that it is here, or it was here first
+
+  std::uint16_t class_id() const;  // the most voted, the lower id of equals
+  Box box_world() const { return moved(box, T_world_volume); }
+  static Box moved(const Box& box, const Rigid3& T);  // T: upright
+};
+
+double yaw_of(const Rigid3& T);  // of an upright motion
+Rigid3 upright(const Eigen::Vector3d& position, double yaw);
+
+// Surface and box anew, after the volume changed. Of what was seen from one side only the depth is assumed: as much as
+// `assumed_depth` of its smaller visible extent.
+void refresh_shape(MapObject& object, double min_weight, double assumed_depth);
+
+}  // namespace povslam

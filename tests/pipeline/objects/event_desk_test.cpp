@@ -1,0 +1,98 @@
+#include "pipeline/objects/event_desk.hpp"
+
+#include <gtest/gtest.h>
+
+namespace povslam {
+namespace {
+
+class EventDeskTest : public testing::Test {
+ protected:
+  static PlaceChange thing(std::int64_t id, double x, TimeNs at, const char* name = "box",
+                           Eigen::Vector3d size = {0.8, 0.6, 0.5}) {
+    PlaceChange change;
+    change.object = id;
+    change.class_name = name;
+    change.place.position = {x, 0.0, 0.25};
+    change.size_m = size;
+    change.probability = 0.9;
+    change.decided = at;
+    return change;
+  }
+  void decide(double t) { desk.decide(from_seconds(t), events); }
+
+  std::vector<std::pair<std::int64_t, std::int64_t>> renamed;
+  EventDesk desk{EventDeskOptions{}, 5,
+                 [this](std::int64_t came, std::int64_t gone) { renamed.emplace_back(came, gone); }};
+  std::vector<ObjectEvent> events;
+};
+
+TEST_F(EventDeskTest, TellsAMoveOnceWhenWhatWentIsFoundElsewhere) {
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  decide(11.0);
+  EXPECT_TRUE(events.empty());
+  desk.came(thing(2, 1.5, from_seconds(12), "box", {0.62, 0.79, 0.52}));  // a quarter turned
+  decide(12.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+  EXPECT_EQ(events[0].seq, 5);
+  EXPECT_EQ(events[0].object, 1);
+  EXPECT_EQ(events[0].place.position.x(), 1.5);
+  ASSERT_TRUE(events[0].from);
+  EXPECT_EQ(events[0].from->position.x(), 0.0);
+  EXPECT_EQ(renamed, (std::vector<std::pair<std::int64_t, std::int64_t>>{{2, 1}}));
+  decide(100.0);
+  EXPECT_EQ(events.size(), 1U);
+}
+
+TEST_F(EventDeskTest, WaitsForTheOtherHalfWhicheverComesFirst) {
+  desk.came(thing(2, 1.5, from_seconds(10)));
+  decide(15.0);
+  EXPECT_TRUE(events.empty());
+  desk.gone(thing(1, 0.0, from_seconds(15)));
+  decide(15.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+}
+
+TEST_F(EventDeskTest, TellsHalvesThatStayAloneAfterTheHold) {
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.came(thing(2, 1.0, from_seconds(11), "pallet"));
+  desk.came(thing(3, 1.0, from_seconds(12), "box", {2.0, 0.6, 0.5}));
+  decide(17.9);
+  EXPECT_TRUE(events.empty());
+  decide(18.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::removed);
+  decide(20.0);
+  ASSERT_EQ(events.size(), 3U);
+  EXPECT_EQ(events[1].type, ObjectEventType::appeared);
+  EXPECT_EQ(events[2].seq, 7);
+}
+
+TEST_F(EventDeskTest, PairsAThingWithTheNearestOfThoseAlike) {
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.gone(thing(2, 2.0, from_seconds(10)));
+  desk.came(thing(3, 2.8, from_seconds(10)));
+  decide(10.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].object, 2);
+}
+
+TEST_F(EventDeskTest, ForgetsWhatIsWithdrawn) {
+  desk.came(thing(3, 2.8, from_seconds(10)));
+  desk.withdraw(3);
+  desk.decide_all(from_seconds(11), events);
+  EXPECT_TRUE(events.empty());
+}
+
+TEST_F(EventDeskTest, DecidesEverythingAtTheEnd) {
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.came(thing(2, 1.0, from_seconds(10), "pallet"));
+  desk.decide_all(from_seconds(11), events);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].stamp, from_seconds(11));
+  EXPECT_EQ(desk.next_seq(), 7);
+}
+
+}  // namespace
+}  // namespace povslam

@@ -1,0 +1,158 @@
+// Small stories of things that stand, go, move and come while a robot drives by.
+#include "pipeline/objects/library.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pipeline/base/time.hpp"
+#include "tests/support/small_world.hpp"
+
+namespace povslam {
+namespace {
+
+class LibraryStory : public testing::Test {
+ protected:
+  // `count` views from an arc about (2.5, 0), 0.2 s apart.
+  void drive(int count, bool labelled = true) {
+    for (int i = 0; i < count; ++i) {
+      const double angle = -0.5 + 1.0 * (i + 0.5) / count;
+      const Eigen::Vector2d eye = Eigen::Vector2d(2.5, 0.0) - 3.0 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      look(SmallWorld::looking(eye, {2.5, 0.0}), labelled);
+    }
+  }
+  void look(const Rigid3& T_world_camera, bool labelled = true) {
+    now += kNsPerSecond / 5;
+    world.look(T_world_camera, now, view, labels);
+    if (!labelled) {
+      for (std::uint8_t& id : labels.pixels()) id = id >= SmallWorld::kCarton ? std::uint8_t{0} : id;
+    }
+    const Extraction& extraction = extractor.from_classes(labels, library.classes(), view);
+    library.observe(extraction, empty, view, step);
+    events.insert(events.end(), step.events.begin(), step.events.end());
+    empty.observe(view);
+  }
+  void finish() {
+    library.finish(step);
+    events.insert(events.end(), step.events.begin(), step.events.end());
+  }
+  std::vector<const MapObject*> confirmed() const {
+    std::vector<const MapObject*> out;
+    for (const auto& object : library.objects()) {
+      if (object->phase == ObjectPhase::confirmed) out.push_back(object.get());
+    }
+    return out;
+  }
+  static Box carton(double x, double y, double yaw = 0.4) { return {{x, y, 0.35}, {0.8, 0.6, 0.7}, yaw}; }
+
+  SmallWorld world;
+  TimeNs now = 0;
+  DepthView view;
+  ImageU8 labels;
+  Extractor extractor{ExtractOptions{}, 0.0025};
+  EmptySpace empty{EmptySpaceOptions{}};
+  ObjectLibrary library{ObjectOptions{}, VolumeOptions{0.05, 0.2, 400}, IntegrateOptions{}, SmallWorld::classes()};
+  LibraryStep step;
+  std::vector<ObjectEvent> events;
+};
+
+TEST_F(LibraryStory, AThingSeenFromSeveralSidesIsOneObjectWithItsBox) {
+  world.things = {{carton(2.5, 0.0)}};
+  drive(20);
+  finish();
+  const auto objects = confirmed();
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_GT(overlap(objects[0]->box_world(), carton(2.5, 0.0)).iou, 0.6);
+  EXPECT_GT(objects[0]->belief.expected_consistency(), 0.85);
+  EXPECT_TRUE(events.empty()) << "it was there when the robot came";
+}
+
+TEST_F(LibraryStory, AThingIsNoObjectBeforeItWasSeenOften) {
+  world.things = {{carton(2.5, 0.0)}};
+  drive(2);
+  EXPECT_TRUE(confirmed().empty());
+  drive(2);
+  EXPECT_EQ(confirmed().size(), 1U);
+}
+
+TEST_F(LibraryStory, WhatGoesIsRemovedOnceAndItsVoxelsWithIt) {
+  world.things = {{carton(2.5, -0.6)}, {carton(2.6, 0.7, 0.0), SmallWorld::kPallet}};
+  drive(20);
+  world.things.erase(world.things.begin());
+  drive(10);
+  finish();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::removed);
+  EXPECT_EQ(events[0].class_name, "carton");
+  EXPECT_LT((events[0].place.position - Eigen::Vector3d(2.5, -0.6, 0.35)).norm(), 0.2);
+  EXPECT_GT(events[0].probability, 0.6);
+  ASSERT_TRUE(events[0].evidence.first_absent);
+  EXPECT_GT(*events[0].evidence.first_absent, events[0].evidence.last_present);
+  ASSERT_EQ(confirmed().size(), 1U);
+  EXPECT_EQ(confirmed()[0]->class_id(), SmallWorld::kPallet);
+}
+
+TEST_F(LibraryStory, WhatIsHiddenOrNotToldApartIsNotGone) {
+  world.things = {{carton(3.2, 0.0)}};
+  drive(20);
+  world.things.push_back({{{1.6, 0.0, 0.75}, {0.3, 2.5, 1.5}, 0.0}, SmallWorld::kPallet});
+  drive(10);
+  world.things.pop_back();
+  drive(10, false);
+  finish();
+  for (const ObjectEvent& event : events) EXPECT_NE(event.class_name, "carton") << to_string(event.type);
+  ASSERT_FALSE(confirmed().empty());
+  EXPECT_GT(confirmed()[0]->belief.expected_consistency(), 0.8);
+}
+
+TEST_F(LibraryStory, WhatMovesKeepsItsNumber) {
+  world.things = {{carton(2.5, -0.7)}};
+  drive(20);
+  ASSERT_EQ(confirmed().size(), 1U);
+  const std::int64_t id = confirmed()[0]->id;
+  world.things = {{carton(2.6, 0.8, 1.0)}};
+  drive(20);
+  finish();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+  EXPECT_EQ(events[0].object, id);
+  ASSERT_TRUE(events[0].from);
+  EXPECT_LT((events[0].from->position - Eigen::Vector3d(2.5, -0.7, 0.35)).norm(), 0.2);
+  EXPECT_LT((events[0].place.position - Eigen::Vector3d(2.6, 0.8, 0.35)).norm(), 0.2);
+  ASSERT_EQ(confirmed().size(), 1U);
+  EXPECT_EQ(confirmed()[0]->id, id);
+}
+
+TEST_F(LibraryStory, WhatComesToAPlaceThatWasEmptyAppeared) {
+  drive(20);
+  world.things = {{carton(2.5, 0.0)}};
+  drive(20);
+  finish();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::appeared);
+  ASSERT_TRUE(events[0].evidence.last_absent);
+  EXPECT_LT(*events[0].evidence.last_absent, events[0].evidence.first_present);
+}
+
+TEST_F(LibraryStory, ThingsSideBySideAreTwo) {
+  const Box left{{2.5, 0.34, 0.35}, {0.5, 0.6, 0.7}, 0.0}, right{{2.5, -0.34, 0.35}, {0.5, 0.6, 0.7}, 0.0};
+  world.things = {{left}, {right}};  // 8 cm apart
+  for (int i = 0; i < 12; ++i) look(SmallWorld::looking({0.2, -1.6 + 0.05 * i}, {2.6, 0.6}));
+  ASSERT_EQ(confirmed().size(), 2U);
+}
+
+TEST_F(LibraryStory, OwnsTheLandmarksOnIt) {
+  world.things = {{carton(2.5, 0.0)}};
+  drive(10);
+  const std::int64_t id = confirmed().at(0)->id;
+  std::vector<SeenLandmark> landmarks(2);
+  landmarks[0] = {77, 3, 159.0F, 150.0F, 0.4F, {}};  // in the middle of the image: the carton
+  landmarks[1] = {78, 4, 20.0F, 20.0F, 0.2F, {}};    // the wall
+  library.claim_landmarks(landmarks, view, step);
+  ASSERT_EQ(step.owners.size(), 1U);
+  EXPECT_EQ(step.owners[0].landmark, 77);
+  EXPECT_EQ(step.owners[0].object, id);
+  library.claim_landmarks(landmarks, view, step);
+  EXPECT_EQ(step.owners.size(), 1U) << "told once";
+}
+
+}  // namespace
+}  // namespace povslam
