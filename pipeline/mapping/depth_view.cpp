@@ -28,6 +28,17 @@ std::vector<std::int32_t> rectification(const PinholeCamera& camera) {
   return source;
 }
 
+void rectify_color(const std::vector<std::int32_t>& source, const ImageU8& raw, ImageU8& color) {
+  const auto channels = static_cast<std::size_t>(raw.channels());
+  color.resize(raw.width(), raw.height(), raw.channels());
+  for (std::size_t k = 0; k < source.size(); ++k) {
+    const auto from = static_cast<std::size_t>(std::max(source[k], 0));
+    for (std::size_t c = 0; c < channels; ++c) {
+      color.data()[k * channels + c] = source[k] < 0 ? std::uint8_t{0} : raw.data()[from * channels + c];
+    }
+  }
+}
+
 }  // namespace
 
 DepthViewBuilder::DepthViewBuilder(const PinholeCamera& camera, const DepthViewOptions& options)
@@ -70,13 +81,7 @@ void DepthViewBuilder::build(const RgbdFrame& frame, const Rigid3& T_world_camer
   } else if (source_.empty()) {
     view.color = frame.color;
   } else {
-    view.color.resize(camera_.width, camera_.height, channels);
-    for (std::size_t k = 0; k < pixels; ++k) {
-      const std::size_t from = static_cast<std::size_t>(std::max(source_[k], 0));
-      for (int c = 0; c < channels; ++c) {
-        view.color.data()[k * channels + c] = source_[k] < 0 ? 0 : frame.color.data()[from * channels + c];
-      }
-    }
+    rectify_color(source_, frame.color, view.color);
   }
 }
 

@@ -21,7 +21,7 @@ struct Mesh {
 class MeshCache {
  public:
   // Cells whose eight voxels were each seen at least min_weight looks.
-  explicit MeshCache(double min_weight = 0.1) : min_weight_(min_weight) {}
+  explicit MeshCache(double min_weight = 0.05) : min_weight_(min_weight) {}
   // Returns how many blocks were made anew: those that changed and their lower neighbours.
   int update(const Volume& volume);
   void append_to(Mesh& mesh, const Rigid3& T_world_volume) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pipeline/base/expects.hpp"
 
@@ -69,15 +70,12 @@ BlockKey Volume::key_of(const Eigen::Vector3d& p_volume) const {
 std::optional<Volume::Sample> Volume::sample(const Eigen::Vector3d& p_volume) const {
   const Eigen::Vector3d at = p_volume / options_.voxel_size_m - Eigen::Vector3d::Constant(0.5);
   const Eigen::Vector3d low = at.array().floor();
-  const Eigen::Vector3d share = at - low;
-  double value[2][2][2];  // z, y, x
-  double least = 1e9;
+  const Eigen::Vector3i first = low.cast<int>();
+  double value[8];  // of corner x + 2 y + 4 z
+  int least = std::numeric_limits<int>::max(), index = -1;
   BlockKey key{};
-  int index = -1;
   for (int corner = 0; corner < 8; ++corner) {
-    const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
-    const int x = static_cast<int>(low.x()) + dx, y = static_cast<int>(low.y()) + dy,
-              z = static_cast<int>(low.z()) + dz;
+    const int x = first.x() + (corner & 1), y = first.y() + (corner >> 1 & 1), z = first.z() + (corner >> 2);
     const BlockKey wanted{x >> 3, y >> 3, z >> 3};
     if (corner == 0 || !(wanted == key)) index = find(wanted);
     key = wanted;
@@ -85,24 +83,30 @@ std::optional<Volume::Sample> Volume::sample(const Eigen::Vector3d& p_volume) co
     const auto voxel = static_cast<std::size_t>((x & 7) + kBlockEdge * ((y & 7) + kBlockEdge * (z & 7)));
     const VoxelBlock& here = block(index);
     if (here.weight[voxel] == 0) return std::nullopt;
-    least = std::min(least, static_cast<double>(here.weight[voxel]) / kWeightUnits);
-    value[dz][dy][dx] = here.distance[voxel] * options_.truncation_m / kDistanceUnits;
+    least = std::min<int>(least, here.weight[voxel]);
+    value[corner] = here.distance[voxel] * options_.truncation_m / kDistanceUnits;
   }
-  const auto mix = [](double a, double b, double s) { return a + (b - a) * s; };
-  Sample sample;
-  sample.weight = least;
-  double plane[2], x_slope[2], y_slope[2];
-  for (int z = 0; z < 2; ++z) {
-    const double front = mix(value[z][0][0], value[z][0][1], share.x());
-    const double back = mix(value[z][1][0], value[z][1][1], share.x());
-    plane[z] = mix(front, back, share.y());
-    y_slope[z] = back - front;
-    x_slope[z] = mix(value[z][0][1] - value[z][0][0], value[z][1][1] - value[z][1][0], share.y());
-  }
-  sample.distance_m = mix(plane[0], plane[1], share.z());
-  sample.gradient = {mix(x_slope[0], x_slope[1], share.z()), mix(y_slope[0], y_slope[1], share.z()),
-                     plane[1] - plane[0]};
+  Sample sample = interpolate(value, at - low);
   sample.gradient /= options_.voxel_size_m;
+  sample.weight = static_cast<double>(least) / kWeightUnits;
+  return sample;
+}
+
+// Linear along each axis; the gradient is per voxel.
+Volume::Sample Volume::interpolate(const double (&value)[8], const Eigen::Vector3d& share) {
+  Sample sample;
+  for (int corner = 0; corner < 8; ++corner) {
+    Eigen::Vector3d weight, slope;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = (corner >> axis & 1) != 0;
+      weight[axis] = upper ? share[axis] : 1.0 - share[axis];
+      slope[axis] = upper ? 1.0 : -1.0;
+    }
+    sample.distance_m += weight.prod() * value[corner];
+    sample.gradient +=
+        value[corner] * Eigen::Vector3d(slope.x() * weight.y() * weight.z(), weight.x() * slope.y() * weight.z(),
+                                        weight.x() * weight.y() * slope.z());
+  }
   return sample;
 }
 

@@ -62,6 +62,7 @@ class Volume {
   std::optional<Sample> sample(const Eigen::Vector3d& p_volume) const;
 
  private:
+  static Sample interpolate(const double (&value)[8], const Eigen::Vector3d& share);
   struct Hash {
     std::size_t operator()(const BlockKey& key) const;
   };

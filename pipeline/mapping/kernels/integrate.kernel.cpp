@@ -7,6 +7,8 @@ namespace {
 
 // Space is free, and need not become freer, from here on.
 constexpr float kFreeUnits = 0.9F * kFullUnits;
+// Depth of what is not in the picture: behind everything.
+constexpr float kNowhere = 1e12F;
 
 struct Voxels {
   Floats stored, looks;  // distance and weight units
@@ -77,7 +79,7 @@ unsigned integrate_block(const IntegratePass* pass, const BlockPlace* place, int
   alignas(64) int32_t pixel[kVoxels];  // LookPixel; 0 outside of the part: nothing is known there
   for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
     const Rays rays = project(pass->rays, place->origin, voxel);
-    store(depth + voxel, rays.depth);
+    store(depth + voxel, select(rays.inside, rays.depth, fill(kNowhere)));
     store(pixel + voxel, gather(pass->look, rays.pixel, rays.inside));
   }
   unsigned changed = 0, emptied = 0;

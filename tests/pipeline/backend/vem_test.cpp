@@ -32,11 +32,6 @@ double worst_pose_m(const ObjectsWindow& made, const std::vector<Rigid3>& poses)
   for (std::size_t t = 0; t < poses.size(); ++t) {
     worst = std::max(worst, (poses[t].translation - made.truth[t].translation).norm());
   }
-<<<<<<< HEAD
-  for (const auto& it : result.iterations) {
-    printf("elbo %.3f cost %.3f moved %.5f %.5f acc %d flip %d err %.4f\n", it.elbo, it.cost, it.moved_m, it.moved_rad,
-           it.num_accepted, it.num_flipped, (it.T_world_camera.translation - made.truth.back().translation).norm());
-=======
   return worst;
 }
 
@@ -225,7 +220,6 @@ TEST(Vem, RefusesWhatIsNoProblem) {
     EXPECT_NE(result.fault, "");
     EXPECT_FALSE(result.solved || result.converged);
     EXPECT_TRUE(result.poses.empty());
->>>>>>> w-vem
   }
 }
 

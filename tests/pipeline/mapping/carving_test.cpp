@@ -98,6 +98,24 @@ TEST(Carving, AWrongLabelOnWhatStandsTakesNothingAway) {
   EXPECT_GT(points_in(volume, kBox, 0.03), 0.95 * before);
 }
 
+TEST(Carving, WhatIsOutsideThePictureStaysAsItWas) {
+  Volume volume({});
+  const Thing wall{Wall{{1.0, 0.0, 0.0}, 4.0}, kStructure};
+  for (int k = 0; k < 10; ++k) {
+    integrate(volume, render({kFloor, wall}, looking({-1.0 + 0.1 * k, 0.0, 1.0}, {0.5, 0.0, 0.0})), kStructure, kWorld,
+              {});
+  }
+  const Box around{{-0.4, -0.4, -0.3}, {0.4, 0.4, 0.3}};
+  const int before = points_in(volume, around, 0.0);
+  ASSERT_GT(before, 200);
+  for (int k = 0; k < 20; ++k) {  // the camera passes right over it and sees none of it
+    const Eigen::Vector3d eye(-0.5 + 0.05 * k, 0.0, 0.4);
+    integrate(volume, render({kFloor, wall}, looking(eye, eye + Eigen::Vector3d(1.0, 0.0, 0.2))), kStructure, kWorld,
+              {});
+  }
+  EXPECT_EQ(points_in(volume, around, 0.0), before);
+}
+
 TEST(Carving, BlocksWithoutAnySurfaceLeftAreGivenBack) {
   Volume volume({});
   const Thing far_wall{Wall{{1.0, 0.0, 0.0}, 4.0}, kStructure}, ball{Ball{{2.2, 0.0, 0.5}, 0.3}, kThing};
