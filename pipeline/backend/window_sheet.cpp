@@ -52,8 +52,7 @@ void WindowSheet::assign(const VemWindow& window, const VemOptions& options) {
   rigid_weight_.assign(blocks, Quad{});
   prior_weight_.assign(blocks, Quad{{1.0, 1.0, 1.0, 1.0}});  // of a lane without landmark
   p_camera_.assign(3 * slots, Quad{});
-  for (auto* quads : {&own_inverse_, &own_bias_, &inverse_variance_, &bias_})
-    quads->assign(slots, Quad{});
+  for (auto* quads : {&own_inverse_, &own_bias_, &inverse_variance_, &bias_}) quads->assign(slots, Quad{});
   place_landmarks(window);
   place_matches(window);
   least_sigma_ = std::numeric_limits<double>::infinity();
