@@ -44,7 +44,7 @@ DOORS = [
     ("boost/lockfree/*", ["pipeline/base/*"]),
     ("boost/math/*", ["pipeline/objects/*", "pipeline/backend/*"]),
     ("Eigen/*", ["pipeline/*", "drivers/*", "daemon/*", "tools/*"]),
-    ("immintrin.h", ["pipeline/frontend/kernels/*", "pipeline/mapping/kernels/*"]),
+    ("immintrin.h", ["pipeline/frontend/kernels/*", "pipeline/mapping/kernels/*", "pipeline/backend/kernels/*"]),
 ]
 ANY_DOOR = ["tools/bench/*", "tools/experiments/*"]
 
