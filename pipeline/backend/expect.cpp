@@ -18,13 +18,13 @@ ConsistencyLogs structure_logs() {
 }
 
 // All matches of an object as one: sum of what each says for "unchanged" against "changed".
-double pooled_evidence(const WindowSheet& sheet, std::size_t object, const Quad* error2) {
+double pooled_evidence(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2) {
   double sum = 0.0;
-  const Quad *inverse = sheet.inverse_variance(object), *bias = sheet.bias(object);
-  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
+  const std::size_t first = sheet.first_slot(object), end = first + static_cast<std::size_t>(sheet.slots_of(object));
+  for (std::size_t slot = first; slot < end; ++slot) {
     for (int i = 0; i < kVemLanes; ++i) {
-      const double iv = inverse[slot].lane[i];
-      if (iv > 0.0) sum += bias[slot].lane[i] - 0.5 * error2[slot].lane[i] * iv;
+      const WindowSheet::Noise noise = sheet.noise_at(slot, i);
+      if (noise.inverse_variance > 0.0) sum += noise.bias - 0.5 * error2[slot].lane[i] * noise.inverse_variance;
     }
   }
   return sum;
@@ -88,13 +88,12 @@ double Expectation::measure_change(const WindowSheet& sheet, std::size_t object,
                                    const std::vector<Quad>& error2) const {
   double sum = 0.0;
   int count = 0;
-  const int frames = sheet.num_frames();
-  const Quad* inverse = sheet.inverse_variance(object);
-  const Quad* square = error2.data() + sheet.first_slot(object);
-  for (int slot = states_[object].latest_frame; slot < sheet.slots_of(object); slot += frames) {
+  const auto frames = static_cast<std::size_t>(sheet.num_frames());
+  const std::size_t first = sheet.first_slot(object), end = first + static_cast<std::size_t>(sheet.slots_of(object));
+  for (std::size_t slot = first + static_cast<std::size_t>(states_[object].latest_frame); slot < end; slot += frames) {
     for (int i = 0; i < kVemLanes; ++i) {
-      if (!(inverse[slot].lane[i] > 0.0)) continue;
-      sum += std::sqrt(square[slot].lane[i]);
+      if (!sheet.matched(slot, i)) continue;
+      sum += std::sqrt(error2[slot].lane[i]);
       ++count;
     }
   }
@@ -140,8 +139,8 @@ double Expectation::weigh(const WindowSheet& sheet, std::size_t object, const st
   const ConsistencyLogs at = logs(state);
   const std::size_t first = sheet.first_slot(object);
   VemExpect sums{at.odds(), 0.0, 0.0};
-  vem_kernels().expect(sheet.slots_of(object), error2.data() + first, sheet.inverse_variance(object),
-                       sheet.bias(object), &sums, pi_.data() + first);
+  const VemNoise noise = sheet.noise(object);
+  vem_kernels().expect(&noise, error2.data() + first, &sums, pi_.data() + first);
   state.bound = state.num_matches * (at.log_not_v + log_uniform_) + sums.sum_excess;
   return sums.sum_pi;
 }
@@ -149,14 +148,11 @@ double Expectation::weigh(const WindowSheet& sheet, std::size_t object, const st
 double Expectation::weigh_pooled(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2) {
   State& state = states_[object];
   const ConsistencyLogs at = logs(state);
-  const std::size_t first = sheet.first_slot(object);
-  const double evidence = pooled_evidence(sheet, object, error2.data() + first);
+  const double evidence = pooled_evidence(sheet, object, error2);
   const double pi = responsibility(at.odds(), evidence, 0.0, 1.0);
-  const Quad* inverse = sheet.inverse_variance(object);
-  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
-    for (int i = 0; i < kVemLanes; ++i) {
-      pi_[first + static_cast<std::size_t>(slot)].lane[i] = inverse[slot].lane[i] > 0.0 ? pi : 0.0;
-    }
+  const std::size_t first = sheet.first_slot(object), end = first + static_cast<std::size_t>(sheet.slots_of(object));
+  for (std::size_t slot = first; slot < end; ++slot) {
+    for (int i = 0; i < kVemLanes; ++i) pi_[slot].lane[i] = sheet.matched(slot, i) ? pi : 0.0;
   }
   state.bound = state.num_matches * log_uniform_ + match_bound(at, evidence, 0.0);
   return state.num_matches * pi;
@@ -167,18 +163,16 @@ VemDecision Expectation::decide(const WindowSheet& sheet, const std::vector<Quad
   const bool open = !gated || options_.gate == VemGate::none;
   VemDecision all{0, 0};
   for (std::size_t object = 0; object < states_.size(); ++object) {
-    const std::size_t first = sheet.first_slot(object);
-    const Quad* errors = error2.data() + first;
-    Quad* out = information.data() + first;
     VemDecision part{0, 0};
     if (!open && options_.pool == VemPool::object) {
-      part = decide_pooled(sheet, object, errors, out);
+      part = decide_pooled(sheet, object, error2, information);
     } else if (!open && options_.gate == VemGate::expected_pi && !states_[object].structure) {
-      part = decide_by_pi(sheet, object, errors, out);
+      part = decide_by_pi(sheet, object, error2, information);
     } else {
+      const std::size_t first = sheet.first_slot(object);
       const double odds = open ? std::numeric_limits<double>::infinity() : gate_odds(states_[object]);
-      part = vem_kernels().gate(sheet.slots_of(object), odds, errors, sheet.inverse_variance(object),
-                                sheet.bias(object), pi_.data() + first, out);
+      const VemNoise noise = sheet.noise(object);
+      part = vem_kernels().gate(&noise, odds, error2.data() + first, pi_.data() + first, information.data() + first);
     }
     all.accepted += part.accepted;
     all.flipped += part.flipped;
@@ -186,29 +180,30 @@ VemDecision Expectation::decide(const WindowSheet& sheet, const std::vector<Quad
   return all;
 }
 
-VemDecision Expectation::decide_by_pi(const WindowSheet& sheet, std::size_t object, const Quad* error2,
-                                      Quad* information) const {
-  const Quad *pi = pi_.data() + sheet.first_slot(object), *inverse = sheet.inverse_variance(object);
-  const Quad* bias = sheet.bias(object);
+VemDecision Expectation::decide_by_pi(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2,
+                                      std::vector<Quad>& information) const {
   VemDecision decision{0, 0};
-  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
+  const std::size_t first = sheet.first_slot(object), end = first + static_cast<std::size_t>(sheet.slots_of(object));
+  for (std::size_t slot = first; slot < end; ++slot) {
     for (int i = 0; i < kVemLanes; ++i) {
-      const double p = pi[slot].lane[i], iv = inverse[slot].lane[i];
-      const double logit = std::log(p / (1.0 - p)) + bias[slot].lane[i] - 0.5 * error2[slot].lane[i] * iv;
+      const WindowSheet::Noise noise = sheet.noise_at(slot, i);
+      const double p = pi_[slot].lane[i], iv = noise.inverse_variance;
+      const double logit = std::log(p / (1.0 - p)) + noise.bias - 0.5 * error2[slot].lane[i] * iv;
       take(logit >= 0.0 ? p * iv : 0.0, information[slot].lane[i], decision);
     }
   }
   return decision;
 }
 
-VemDecision Expectation::decide_pooled(const WindowSheet& sheet, std::size_t object, const Quad* error2,
-                                       Quad* information) const {
-  const Quad *pi = pi_.data() + sheet.first_slot(object), *inverse = sheet.inverse_variance(object);
+VemDecision Expectation::decide_pooled(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2,
+                                       std::vector<Quad>& information) const {
   const bool accepted = gate_odds(states_[object]) + pooled_evidence(sheet, object, error2) >= 0.0;
   VemDecision decision{0, 0};
-  for (int slot = 0; slot < sheet.slots_of(object); ++slot) {
+  const std::size_t first = sheet.first_slot(object), end = first + static_cast<std::size_t>(sheet.slots_of(object));
+  for (std::size_t slot = first; slot < end; ++slot) {
     for (int i = 0; i < kVemLanes; ++i) {
-      take(accepted ? pi[slot].lane[i] * inverse[slot].lane[i] : 0.0, information[slot].lane[i], decision);
+      const double now = accepted ? pi_[slot].lane[i] * sheet.noise_at(slot, i).inverse_variance : 0.0;
+      take(now, information[slot].lane[i], decision);
     }
   }
   return decision;

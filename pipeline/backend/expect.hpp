@@ -18,14 +18,14 @@ struct ConsistencyLogs {
   double log_v = 0.0, log_not_v = 0.0;
   double odds() const { return log_v - log_not_v; }  // psi(alpha + beta) cancels
 };
-ConsistencyLogs expected_logs(double alpha, double beta);  // eq. 19: E[log v], E[log(1 - v)]
+ConsistencyLogs expected_logs(double alpha, double beta);  // eq. 14: E[log v], E[log(1 - v)]
 ConsistencyLogs logs_of_expected(const Belief& belief);    // single point: log E[v], log(1 - E[v])
 
-// Eq. 16-18. bias = log_gaussian_peak - log_uniform.
+// Eq. 12-13. bias = log_gaussian_peak - log_uniform.
 double responsibility(double odds, double bias, double error2, double variance);
-// Eq. 20 with its constants, q(v) held: log( e^log_v N + e^log_not_v U ).
+// Eq. 15 with its constants, q(v) held: log( e^log_v N + e^log_not_v U ).
 double match_bound(const ConsistencyLogs& logs, double log_gaussian, double log_uniform);
-// Eq. 22-23: the residual below which the max-mixture takes the Gaussian; 0 if there is none.
+// Eq. 16-17: the residual below which the max-mixture takes the Gaussian; 0 if there is none.
 double gate_radius(double expected_v, double sigma_m, double bias);
 double kl_beta(double alpha, double beta, double prior_alpha, double prior_beta);  // KL( Beta || prior )
 
@@ -62,8 +62,10 @@ class Expectation {
   double gate_odds(const State& state) const;
   double weigh(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2);  // sum of E[pi]
   double weigh_pooled(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2);
-  VemDecision decide_by_pi(const WindowSheet& sheet, std::size_t object, const Quad* error2, Quad* information) const;
-  VemDecision decide_pooled(const WindowSheet& sheet, std::size_t object, const Quad* error2, Quad* information) const;
+  VemDecision decide_by_pi(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2,
+                           std::vector<Quad>& information) const;
+  VemDecision decide_pooled(const WindowSheet& sheet, std::size_t object, const std::vector<Quad>& error2,
+                            std::vector<Quad>& information) const;
 
   VemOptions options_;
   double log_uniform_ = 0.0;

@@ -19,8 +19,10 @@ double log_uniform(int dimension, double e_max_m, VemUniform measure) {
 }
 
 ConsistencyLogs expected_logs(double alpha, double beta) {
-  const double all = boost::math::digamma(alpha + beta);
-  return {boost::math::digamma(alpha) - all, boost::math::digamma(beta) - all};
+  using boost::math::digamma;
+  constexpr boost::math::policies::policy<boost::math::policies::promote_double<false>> kPlain;  // not as long double
+  const double all = digamma(alpha + beta, kPlain);
+  return {digamma(alpha, kPlain) - all, digamma(beta, kPlain) - all};
 }
 
 ConsistencyLogs logs_of_expected(const Belief& belief) {

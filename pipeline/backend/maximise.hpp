@@ -1,4 +1,4 @@
-// The M-step (POV-SLAM, section IV-C, eq. 24): poses, objects and landmarks that fit best with the weights of the
+// The M-step (POV-SLAM, section IV-C, eq. 18): poses, objects and landmarks that fit best with the weights of the
 // matches as they are. Two solvers behind one interface, with the same optimum: one made for this problem, and Ceres as
 // the reference. See docs/vem.md.
 #pragma once

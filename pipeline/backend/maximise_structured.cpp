@@ -13,62 +13,16 @@
 #include "pipeline/backend/factors/pose_prior_factor.hpp"
 #include "pipeline/backend/factors/vo_transition_factor.hpp"
 #include "pipeline/backend/maximise.hpp"
+#include "pipeline/backend/moment_blocks.hpp"
 #include "pipeline/backend/places.hpp"
 
 namespace povslam {
 
 namespace {
 
-using Moments4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-using Moments43 = Eigen::Matrix<double, 4, 3, Eigen::RowMajor>;
-using Block64 = Eigen::Matrix<double, 6, 4>;
-
 constexpr int kMaxTries = 8;
 constexpr double kFirstDamping = 1e-4;
 constexpr double kRounding = 1e-12;  // of the cost
-
-double total(const Quad& quad) {
-  return (quad.lane[0] + quad.lane[1]) + (quad.lane[2] + quad.lane[3]);
-}
-
-Moments4 total4(const Quad* quads) {
-  Moments4 m;
-  for (Eigen::Index i = 0; i < 16; ++i) m.data()[i] = total(quads[i]);
-  return m;
-}
-
-// sum c J_t^T J_s for poses t, s from sum c [1; d_t] [1; d_s]^T.
-Matrix6d pose_pose(const Moments4& m, const Eigen::Matrix3d& R_t, const Eigen::Matrix3d& R_s) {
-  const Eigen::Vector3d a_t = R_t * m.bottomLeftCorner<3, 1>(), a_s = R_s * m.topRightCorner<1, 3>().transpose();
-  const Eigen::Matrix3d both = R_t * m.bottomRightCorner<3, 3>() * R_s.transpose();
-  Matrix6d H;
-  H.topLeftCorner<3, 3>() = m(0, 0) * Eigen::Matrix3d::Identity();
-  H.topRightCorner<3, 3>() = -skew(a_s);
-  H.bottomLeftCorner<3, 3>() = skew(a_t);
-  H.bottomRightCorner<3, 3>() = both.trace() * Eigen::Matrix3d::Identity() - both.transpose();
-  return H;
-}
-
-// sum c J_t^T J_o from sum c [1; d_t] [1; lx; ly]^T.
-Block64 pose_object(const Moments43& m, const Eigen::Matrix3d& R_t, const Eigen::Rotation2Dd& R_o) {
-  const Eigen::Vector2d q = R_o * Eigen::Vector2d(m(0, 1), m(0, 2));
-  const Eigen::Matrix<double, 3, 2> both = R_t * m.bottomRightCorner<3, 2>() * R_o.toRotationMatrix().transpose();
-  Block64 H = Block64::Zero();
-  H.topLeftCorner<3, 3>() = m(0, 0) * Eigen::Matrix3d::Identity();
-  H.topRightCorner<3, 1>() << -q.y(), q.x(), 0.0;
-  H.bottomLeftCorner<3, 3>() = skew(R_t * m.bottomLeftCorner<3, 1>());
-  H.bottomRightCorner<3, 1>() << -both(2, 0), -both(2, 1), both(0, 0) + both(1, 1);
-  return H;
-}
-
-Eigen::Matrix4d object_object(const double* m, const Eigen::Rotation2Dd& R_o) {
-  const Eigen::Vector2d q = R_o * Eigen::Vector2d(m[1], m[2]);
-  Eigen::Matrix4d H = m[0] * Eigen::Matrix4d::Identity();
-  H(0, 3) = H(3, 0) = -q.y();
-  H(1, 3) = H(3, 1) = q.x();
-  H(3, 3) = m[3];
-  return H;
-}
 
 class StructuredMaximiser final : public Maximiser {
  public:

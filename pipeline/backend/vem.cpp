@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/base/expects.hpp"
+
 namespace povslam {
 
 namespace {
@@ -24,7 +26,11 @@ bool fine(const VemEstimate& estimate) {
 
 }  // namespace
 
-Vem::Vem(const VemOptions& options) : options_(options), maximiser_(make_maximiser(options.solver)) {}
+Vem::Vem(const VemOptions& options) : options_(options), maximiser_(make_maximiser(options.solver)) {
+  EXPECTS(options.sigma_rigid_m > 0.0 && options.sigma_prior_m > 0.0 && options.e_max_m > 0.0);
+  EXPECTS(options.max_iterations >= 1 && options.steps >= 1);
+  EXPECTS(options.anneal_sigma_m >= 0.0 && options.anneal_factor > 0.0 && options.anneal_factor < 1.0);
+}
 
 VemResult Vem::solve(const VemWindow& window) {
   VemResult result;

@@ -17,7 +17,7 @@
 
 namespace povslam {
 
-struct VemTransition {    // of odometry, between neighbouring frames; eq. (7)
+struct VemTransition {    // of odometry, between neighbouring frames; eq. 2-3
   Rigid3 T_before_after;  // maps points of the later camera into the earlier one
   double sigma_m = 0.05, sigma_rad = 0.0175;
 };
@@ -39,7 +39,7 @@ struct VemObject {
 struct VemLandmark {
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();   // estimate to begin with
   Eigen::Vector3d p_object = Eigen::Vector3d::Zero();  // l^O, constant; not read for structure
-  Eigen::Vector3d p_prev = Eigen::Vector3d::Zero();    // world; where the map has it, eq. (9)
+  Eigen::Vector3d p_prev = Eigen::Vector3d::Zero();    // world; where the map has it, eq. 5
 };
 
 struct VemMatch {

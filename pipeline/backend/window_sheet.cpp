@@ -52,10 +52,9 @@ void WindowSheet::assign(const VemWindow& window, const VemOptions& options) {
   rigid_weight_.assign(blocks, Quad{});
   prior_weight_.assign(blocks, Quad{{1.0, 1.0, 1.0, 1.0}});  // of a lane without landmark
   p_camera_.assign(3 * slots, Quad{});
-  for (auto* quads : {&own_inverse_, &own_bias_, &inverse_variance_, &bias_}) quads->assign(slots, Quad{});
+  for (auto* quads : {&inverse_variance_, &bias_}) quads->assign(slots, Quad{});
   place_landmarks(window);
   place_matches(window);
-  least_sigma_ = std::numeric_limits<double>::infinity();
   set_least_sigma(0.0);
 }
 
@@ -83,9 +82,9 @@ void WindowSheet::place_matches(const VemWindow& window) {
   for (const VemMatch& match : window.matches) {
     const std::size_t at = lane_of_match(match);
     const double variance = match.sigma_m * match.sigma_m;
-    lane(own_inverse_, at) = 1.0 / variance;
+    lane(inverse_variance_, at) = 1.0 / variance;
     smallest_sigma_ = std::min(smallest_sigma_, match.sigma_m);
-    lane(own_bias_, at) = log_gaussian_peak(dimension_, variance) - log_uniform_;
+    lane(bias_, at) = log_gaussian_peak(dimension_, variance) - log_uniform_;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lane(p_camera_, (at / kVemLanes * 3 + axis) * kVemLanes + at % kVemLanes) =
           match.p_camera[static_cast<Eigen::Index>(axis)];
@@ -94,18 +93,20 @@ void WindowSheet::place_matches(const VemWindow& window) {
 }
 
 void WindowSheet::set_least_sigma(double sigma_m) {
-  if (std::max(sigma_m, least_sigma_) <= smallest_sigma_) return;  // none is raised, and none was
-  least_sigma_ = sigma_m;
   const double variance = sigma_m * sigma_m;
-  const double inverse = sigma_m > 0.0 ? 1.0 / variance : std::numeric_limits<double>::infinity();
-  const double bias = sigma_m > 0.0 ? log_gaussian_peak(dimension_, variance) - log_uniform_ : 0.0;
-  for (std::size_t slot = 0; slot < own_inverse_.size(); ++slot) {
-    for (int i = 0; i < kVemLanes; ++i) {  // no match: 0 stays the least
-      const double own = own_inverse_[slot].lane[i];
-      inverse_variance_[slot].lane[i] = std::min(own, inverse);
-      bias_[slot].lane[i] = own > inverse ? bias : own_bias_[slot].lane[i];
-    }
-  }
+  const bool any = variance > 0.0;
+  most_inverse_ = any ? 1.0 / variance : std::numeric_limits<double>::infinity();
+  its_bias_ = any ? log_gaussian_peak(dimension_, variance) - log_uniform_ : 0.0;
+}
+
+VemNoise WindowSheet::noise(std::size_t object) const {
+  const std::size_t first = first_slot(object);
+  return {slots_of(object), inverse_variance_.data() + first, bias_.data() + first, most_inverse_, its_bias_};
+}
+
+WindowSheet::Noise WindowSheet::noise_at(std::size_t slot, int lane) const {
+  const double own = inverse_variance_[slot].lane[lane];
+  return own > most_inverse_ ? Noise{most_inverse_, its_bias_} : Noise{own, bias_[slot].lane[lane]};
 }
 
 VemEstimate WindowSheet::initial(const VemWindow& window) const {

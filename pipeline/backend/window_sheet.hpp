@@ -30,7 +30,7 @@ class WindowSheet {
   };
 
   void assign(const VemWindow& window, const VemOptions& options);  // of a window without fault
-  // Sigmas of matches are at least this; bias is as expect.hpp defines it.
+  // Sigmas of matches count as at least this.
   void set_least_sigma(double sigma_m);
   double smallest_sigma() const { return smallest_sigma_; }
   VemEstimate initial(const VemWindow& window) const;
@@ -44,8 +44,12 @@ class WindowSheet {
   std::size_t num_slots() const { return inverse_variance_.size(); }
 
   VemBlocks blocks(std::size_t object, const Quad* information) const;
-  const Quad* inverse_variance(std::size_t object) const { return inverse_variance_.data() + first_slot(object); }
-  const Quad* bias(std::size_t object) const { return bias_.data() + first_slot(object); }
+  VemNoise noise(std::size_t object) const;
+  bool matched(std::size_t slot, int lane) const { return inverse_variance_[slot].lane[lane] > 0.0; }
+  struct Noise {
+    double inverse_variance, bias;  // 0: no match
+  };
+  Noise noise_at(std::size_t slot, int lane) const;
   std::size_t first_slot(std::size_t object) const;
   int slots_of(std::size_t object) const { return objects_[object].num_blocks * num_frames_; }
 
@@ -60,11 +64,10 @@ class WindowSheet {
 
   int num_frames_ = 0, dimension_ = 3;
   double log_uniform_ = 0.0, sigma_rigid_m_ = 0.0, sigma_prior_m_ = 0.0;
-  double smallest_sigma_ = 0.0, least_sigma_ = 0.0;
+  double smallest_sigma_ = 0.0, most_inverse_ = 0.0, its_bias_ = 0.0;
   std::vector<Object> objects_;
   std::vector<int> lane_of_landmark_;
-  std::vector<Quad> p_camera_, own_inverse_, own_bias_, inverse_variance_,
-      bias_;                                                           // by block, frame (, axis)
+  std::vector<Quad> p_camera_, inverse_variance_, bias_;               // by block, frame (, axis)
   std::vector<Quad> p_object_, p_prev_, prior_weight_, rigid_weight_;  // by block (, axis)
 };
 

@@ -38,8 +38,9 @@ BeliefUpdate update(const Belief& q, const ChangeMeasurement& z) {
   const double log_n =
       -0.5 * (std::log(2.0 * std::numbers::pi * variance) + (delta - q.mu) * (delta - q.mu) / variance);
   const double log_u = -std::log(2.0 * z.max_change_m);
-  const Mixture mix = mixture(log_gamma_ratio(q.alpha, q.beta, A + 1.0, B) + log_n,
-                              log_gamma_ratio(q.alpha, q.beta, A, B + 1.0) + log_u);
+  const double log_class =
+      z.k == 0.0 ? 0.0 : log_gamma_ratio(q.alpha, q.beta, A, B);  // eta1 = e^this A / S, eta2 B / S
+  const Mixture mix = mixture(log_class + std::log(A / S) + log_n, log_class + std::log(B / S) + log_u);
   const double c1 = mix.c1, c2 = 1.0 - mix.c1;
 
   BeliefUpdate out;

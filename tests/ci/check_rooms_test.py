@@ -105,7 +105,8 @@ class Rooms(unittest.TestCase):
         self.assertEqual(self.violations(), [])
 
     def test_kernels_include_no_library_and_no_other_room(self):
-        self.write("CMakeLists.txt", FLOOR_PLAN + "room(mapping pipeline/mapping USES geometry)\n")
+        self.write("CMakeLists.txt", FLOOR_PLAN + "room(mapping pipeline/mapping USES geometry)\n"
+                                                  "room(backend pipeline/backend USES mapping)\n")
         for folder in check_rooms.KERNEL_FOLDERS:
             self.write(folder + "dispatch.hpp", "#include <string>\n")
             for header in ("<vector>", "<algorithm>", "<Eigen/Core>", '"pipeline/base/time.hpp"'):

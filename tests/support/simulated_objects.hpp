@@ -77,7 +77,6 @@ class ObjectsMaker {
     object.position = {4.0 * std::cos(bearing) + uniform(-0.5, 0.5), 4.0 * std::sin(bearing) + uniform(-0.5, 0.5), 0.6};
     object.yaw = uniform(-3.0, 3.0);
     object.num_landmarks = count;
-    object.k_outlier = 0.0;
     const bool moved = index < options_.num_moved;
     const double way = uniform(-3.0, 3.0), length = uniform(options_.shift_min_m, options_.shift_max_m);
     const Rigid3 map{so3_exp({0.0, 0.0, object.yaw}), object.position};

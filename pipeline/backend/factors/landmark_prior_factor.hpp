@@ -1,4 +1,4 @@
-// A landmark stays where the map has it (POV-SLAM, eq. 9): e = l - l_prev.
+// A landmark stays where the map has it (POV-SLAM, eq. 5): e = l - l_prev.
 #pragma once
 
 #include <ceres/sized_cost_function.h>

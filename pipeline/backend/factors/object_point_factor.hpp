@@ -1,4 +1,4 @@
-// A point measured in the camera lies on its landmark (POV-SLAM, the Gaussian mode of eq. 10 and 24):
+// A point measured in the camera lies on its landmark (POV-SLAM, the Gaussian mode of eq. 9 and 18):
 //   e = T_world_camera d - l, its information the responsibility over the variance; 0: not accepted, no pull.
 // The pixels' factor of local bundle adjustment is keypoint_factor.
 #pragma once

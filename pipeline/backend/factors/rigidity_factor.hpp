@@ -1,4 +1,4 @@
-// A landmark keeps its place in its object (POV-SLAM, eq. 8): e = T_OW l - l^O. Written as T_WO l^O - l, in the world's
+// A landmark keeps its place in its object (POV-SLAM, eq. 4): e = T_OW l - l^O. Written as T_WO l^O - l, in the world's
 // axes: the noise is isotropic, so the norm is the same, and the landmark's Jacobian is -I.
 #pragma once
 

@@ -1,4 +1,4 @@
-// How far two neighbouring poses are from the motion that odometry measured (POV-SLAM, eq. 6-7):
+// How far two neighbouring poses are from the motion that odometry measured (POV-SLAM, eq. 2-3):
 //   T_off = (T_world_before^-1 T_world_after)^-1 Z,  e = [ t_off ; Log(R_off) ]
 // Z maps points of the later camera into the earlier one. Translation and rotation have a sigma each; equal ones are
 // the paper's.

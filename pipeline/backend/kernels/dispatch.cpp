@@ -2,14 +2,14 @@
 
 #include "pipeline/base/expects.hpp"
 
-#define POVSLAM_DECLARE_KERNELS(isa)                                                        \
-  namespace isa {                                                                           \
-  double measure(const VemBlocks*, const VemPlaces*, const Quad*, Quad*);                   \
-  VemCost settle(const VemBlocks*, const VemPlaces*, Quad*, Quad*);                         \
-  void expect(int, const Quad*, const Quad*, const Quad*, VemExpect*, Quad*);               \
-  VemDecision gate(int, double, const Quad*, const Quad*, const Quad*, const Quad*, Quad*); \
-  void moments(const VemBlocks*, const VemPlaces*, VemMoments*);                            \
-  const VemKernels kVem{measure, settle, expect, gate, moments};                            \
+#define POVSLAM_DECLARE_KERNELS(isa)                                          \
+  namespace isa {                                                             \
+  double measure(const VemBlocks*, const VemPlaces*, const Quad*, Quad*);     \
+  VemCost settle(const VemBlocks*, const VemPlaces*, Quad*, Quad*);           \
+  void expect(const VemNoise*, const Quad*, VemExpect*, Quad*);               \
+  VemDecision gate(const VemNoise*, double, const Quad*, const Quad*, Quad*); \
+  void moments(const VemBlocks*, const VemPlaces*, VemMoments*);              \
+  const VemKernels kVem{measure, settle, expect, gate, moments};              \
   }
 
 namespace povslam {

@@ -23,6 +23,17 @@ POVSLAM_INLINE Lanes exp_negative(Lanes x) {
   return select(counts, power * reinterpret_cast<Lanes>(scale), fill(0.0));
 }
 
+struct Weighed {
+  Lanes inverse, logit;
+};
+POVSLAM_INLINE Weighed weigh(const VemNoise& noise, int i, double odds, Lanes error2) {
+  const Lanes own = lanes(noise.inverse_variance[i]);
+  const Bits raised = own > noise.most_inverse;
+  const Lanes inverse = select(raised, fill(noise.most_inverse), own);
+  const Lanes bias = select(raised, fill(noise.its_bias), lanes(noise.bias[i]));
+  return {inverse, odds + bias - 0.5 * error2 * inverse};
+}
+
 POVSLAM_INLINE double sum_of_logs(Lanes a) {
   double out = 0.0;
   for (int lane = 0; lane < kVemLanes; ++lane) out += __builtin_log(a[lane]);
@@ -31,13 +42,13 @@ POVSLAM_INLINE double sum_of_logs(Lanes a) {
 
 }  // namespace
 
-void expect(int count, const Quad* error2, const Quad* inverse_variance, const Quad* bias, VemExpect* sums, Quad* pi) {
+void expect(const VemNoise* noise, const Quad* error2, VemExpect* sums, Quad* pi) {
   Lanes sum_pi = fill(0.0), excess = fill(0.0), product = fill(1.0);
   double sum_log = 0.0;
-  for (int i = 0; i < count; ++i) {
-    const Lanes iv = lanes(inverse_variance[i]);
-    const Bits matched = iv > 0.0;
-    const Lanes logit = sums->odds + lanes(bias[i]) - 0.5 * lanes(error2[i]) * iv;
+  for (int i = 0; i < noise->count; ++i) {
+    const Weighed match = weigh(*noise, i, sums->odds, lanes(error2[i]));
+    const Bits matched = match.inverse > 0.0;
+    const Lanes logit = match.logit;
     const Bits positive = logit > 0.0;
     const Lanes t = exp_negative(select(positive, -logit, logit));
     const Lanes p = select(matched, select(positive, fill(1.0), t) / (1.0 + t), fill(0.0));
@@ -54,14 +65,13 @@ void expect(int count, const Quad* error2, const Quad* inverse_variance, const Q
   sums->sum_excess = sum(excess) + sum_log + sum_of_logs(product);
 }
 
-VemDecision gate(int count, double odds, const Quad* error2, const Quad* inverse_variance, const Quad* bias,
-                 const Quad* pi, Quad* information) {
+VemDecision gate(const VemNoise* noise, double odds, const Quad* error2, const Quad* pi, Quad* information) {
   Lanes accepted = fill(0.0), flipped = fill(0.0);
-  for (int i = 0; i < count; ++i) {
-    const Lanes iv = lanes(inverse_variance[i]);
-    const Bits passed = odds + lanes(bias[i]) - 0.5 * lanes(error2[i]) * iv >= 0.0;
+  for (int i = 0; i < noise->count; ++i) {
+    const Weighed match = weigh(*noise, i, odds, lanes(error2[i]));
+    const Bits passed = match.logit >= 0.0;
     const Bits before = lanes(information[i]) > 0.0;
-    const Lanes now = select(passed, lanes(pi[i]) * iv, fill(0.0));
+    const Lanes now = select(passed, lanes(pi[i]) * match.inverse, fill(0.0));
     lanes(information[i]) = now;
     accepted += select(now > 0.0, fill(1.0), fill(0.0));
     flipped += select((now > 0.0) ^ before, fill(1.0), fill(0.0));

@@ -33,6 +33,13 @@ struct VemPlaces {                       // where things are
   double cos_yaw, sin_yaw, position[3];  // of the object
 };
 
+struct VemNoise {                 // of an object's matches, by block and frame
+  int count;                      // Quads
+  const Quad* inverse_variance;   // their own [1/m^2]; 0: no match
+  const Quad* bias;               // log density of the Gaussian at 0 less that of the uniform
+  double most_inverse, its_bias;  // a larger inverse variance counts as this one, with its bias
+};
+
 struct VemExpect {
   double odds;        // logarithm, before the residual is looked at
   double sum_pi;      // out
@@ -67,12 +74,10 @@ struct VemKernels {
   double (*measure)(const VemBlocks* blocks, const VemPlaces* places, const Quad* landmark, Quad* error2);
   // Landmarks to their best places, squared residuals there.
   VemCost (*settle)(const VemBlocks* blocks, const VemPlaces* places, Quad* landmark, Quad* error2);
-  // E[pi] = sigmoid(odds + bias - error2 / 2 variance), 0 without match. count: Quads.
-  void (*expect)(int count, const Quad* error2, const Quad* inverse_variance, const Quad* bias, VemExpect* expect,
-                 Quad* pi);
+  // E[pi] = sigmoid(odds + bias - error2 / 2 variance), 0 without match.
+  void (*expect)(const VemNoise* noise, const Quad* error2, VemExpect* expect, Quad* pi);
   // information = pi / variance where odds + bias - error2 / 2 variance >= 0, else 0.
-  VemDecision (*gate)(int count, double odds, const Quad* error2, const Quad* inverse_variance, const Quad* bias,
-                      const Quad* pi, Quad* information);
+  VemDecision (*gate)(const VemNoise* noise, double odds, const Quad* error2, const Quad* pi, Quad* information);
   void (*moments)(const VemBlocks* blocks, const VemPlaces* places, VemMoments* moments);
 };
 

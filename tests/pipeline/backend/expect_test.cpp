@@ -167,6 +167,7 @@ TEST(Expect, TheVectorKernelComputesTheFormulas) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> error(0.0, 1.5), sigma(0.02, 0.3), odds(-8.0, 8.0);
   constexpr int kCount = 600;
+  constexpr double kMost = 900.0;  // sigmas below 1/30 m count as that
   std::vector<Quad> error2(kCount), inverse(kCount), bias_of(kCount), pi(kCount), information(kCount);
   for (int i = 0; i < 4 * kCount; ++i) {
     const std::size_t slot = static_cast<std::size_t>(i / 4);
@@ -177,14 +178,15 @@ TEST(Expect, TheVectorKernelComputesTheFormulas) {
   }
   for (int isa = 0; isa <= widest_isa(); ++isa) {
     VemExpect sums{odds(random), 0.0, 0.0};
-    vem_kernels(isa).expect(kCount, error2.data(), inverse.data(), bias_of.data(), &sums, pi.data());
-    const VemDecision decision = vem_kernels(isa).gate(kCount, sums.odds, error2.data(), inverse.data(), bias_of.data(),
-                                                       pi.data(), information.data());
+    const VemNoise noise{kCount, inverse.data(), bias_of.data(), kMost, bias(3, 1.0 / std::sqrt(kMost), 4.0)};
+    vem_kernels(isa).expect(&noise, error2.data(), &sums, pi.data());
+    const VemDecision decision = vem_kernels(isa).gate(&noise, sums.odds, error2.data(), pi.data(), information.data());
     double sum = 0.0, excess = 0.0;
     int accepted = 0;
     for (int i = 0; i < 4 * kCount; ++i) {
       const std::size_t slot = static_cast<std::size_t>(i / 4);
-      const double iv = inverse[slot].lane[i % 4], b = bias_of[slot].lane[i % 4], e2 = error2[slot].lane[i % 4];
+      const double iv = std::min(inverse[slot].lane[i % 4], kMost), e2 = error2[slot].lane[i % 4];
+      const double b = iv == kMost ? noise.its_bias : bias_of[slot].lane[i % 4];
       const double p = iv == 0.0 ? 0.0 : responsibility(sums.odds, b, e2, 1.0 / iv);
       const double logit = sums.odds + b - 0.5 * e2 * iv;
       EXPECT_NEAR(pi[slot].lane[i % 4], p, 1e-14 + 1e-13 * p);
