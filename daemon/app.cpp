@@ -58,6 +58,8 @@ App::App(const AppConfig& config, const AppOptions& options, DriverSetup setup, 
       reports_(kPoseRing, kWorldReports),
       asked_(kJobRing),
       solved_(kJobRing),
+      windows_(kJobRing),
+      windows_solved_(kJobRing),
       pipeline_(std::make_unique<Pipeline>(
           config.pipeline, setup_.sensors[0], start_of(config, options, T_body_camera()),
           map != nullptr && map->content.meta.next_keyframe > 0 ? &map->content : nullptr)) {}
@@ -72,13 +74,17 @@ Status App::start_threads(const AppConfig& config, AppOptions options, std::opti
   reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s),
                                     .objects_period = from_seconds(config.daemon.objects_period_s)},
                     options.sinks, reports_, counters_);
-  backend_.emplace(asked_, solved_, config.pipeline.backend, counters_);
+  backend_.emplace("backend", asked_, solved_, config.pipeline.backend, counters_.backend);
+  vem_.emplace("vem", windows_, windows_solved_, config.pipeline.backend, counters_.vem);
   if (map) store_.emplace(std::move(map->store), changes_, counters_);
   TrackingLinks links{frames_, reports_.poses, asked_, solved_};
+  links.windows = &windows_;
+  links.windows_solved = &windows_solved_;
   if (map) links.changes = &changes_.map;
   if (understanding_) {
     links.views = &understanding_->views();
     links.owners = &understanding_->owners();
+    links.beliefs = &understanding_->beliefs();
   }
   tracking_.emplace(*pipeline_, links, counters_, options.probe);
   reporter_->watch(&*tracking_);
@@ -98,6 +104,7 @@ void App::stop() {
   tracking_.reset();
   if (understanding_) understanding_->finish();
   store_rest();
+  vem_.reset();
   backend_.reset();
   reporter_.reset();
 }

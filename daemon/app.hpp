@@ -61,12 +61,12 @@ class App {
   Counters counters_;
   FrameExchange frames_;
   ReportRings reports_;
-  JobRing asked_, solved_;
+  JobRing asked_, solved_, windows_, windows_solved_;
   Doorbell understanding_bell_;
   ChangeRings changes_{&understanding_bell_};
   std::unique_ptr<Pipeline> pipeline_;
   std::optional<Reporter> reporter_;
-  std::optional<BackendThread> backend_;
+  std::optional<BackendThread> backend_, vem_;
   std::optional<StoreThread> store_;
   std::unique_ptr<UnderstandingUnit> understanding_;
   std::optional<TrackingThread> tracking_;

@@ -6,9 +6,10 @@
 
 namespace povslam {
 
-BackendThread::BackendThread(SpscRing<BackendJob>& asked, SpscRing<BackendJob>& solved, const BackendOptions& options,
-                             Counters& counters)
-    : asked_(asked),
+BackendThread::BackendThread(const char* name, SpscRing<BackendJob>& asked, SpscRing<BackendJob>& solved,
+                             const BackendOptions& options, JobCounters& counters)
+    : name_(name),
+      asked_(asked),
       solved_(solved),
       options_(options),
       counters_(counters),
@@ -21,13 +22,13 @@ BackendThread::~BackendThread() {
 }
 
 void BackendThread::run(const std::stop_token& stop) {
-  name_this_thread("backend");
+  name_this_thread(name_);
   while (auto job = asked_.pop()) {
     if (stop.stop_requested()) return;
     const TimeNs begun = monotonic_now();
     solve(*job, options_);
-    counters_.backend_last.store(monotonic_now() - begun, std::memory_order_relaxed);
-    counters_.backend_runs.fetch_add(1, std::memory_order_relaxed);
+    counters_.last.store(monotonic_now() - begun, std::memory_order_relaxed);
+    counters_.runs.fetch_add(1, std::memory_order_relaxed);
     const bool taken = solved_.try_push(std::move(*job));
     EXPECTS(taken);  // the ring holds as many as can be asked for at once
   }

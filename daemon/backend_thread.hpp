@@ -1,4 +1,5 @@
-// The backend thread: solves what the pipeline asks beside tracking.
+// A thread that solves what the pipeline asks beside tracking: one for the map, one for windows of variational EM,
+// which must not wait for a long bundle adjustment.
 #pragma once
 
 #include <thread>
@@ -11,8 +12,9 @@ namespace povslam {
 
 class BackendThread {
  public:
-  BackendThread(SpscRing<BackendJob>& asked, SpscRing<BackendJob>& solved, const BackendOptions& options,
-                Counters& counters);
+  // name: of the thread, a literal.
+  BackendThread(const char* name, SpscRing<BackendJob>& asked, SpscRing<BackendJob>& solved,
+                const BackendOptions& options, JobCounters& counters);
   ~BackendThread();  // closes `asked`, finishes the problem at hand, joins
 
   BackendThread(const BackendThread&) = delete;
@@ -21,10 +23,11 @@ class BackendThread {
  private:
   void run(const std::stop_token& stop);
 
+  const char* name_;
   SpscRing<BackendJob>& asked_;
   SpscRing<BackendJob>& solved_;
   BackendOptions options_;
-  Counters& counters_;
+  JobCounters& counters_;
   std::jthread thread_;
 };
 

@@ -53,6 +53,13 @@ struct Assign {
     out = *value;
     return true;
   }
+  bool operator()(std::uint8_t& out) const {
+    const auto value = node.value_exact<std::string>();
+    const auto choice = value ? std::ranges::find(key.choices, *value) : key.choices.end();
+    if (choice == key.choices.end()) return false;
+    out = static_cast<std::uint8_t>(choice - key.choices.begin());
+    return true;
+  }
   template <std::size_t N>
   bool operator()(std::array<double, N>& out) const {
     const toml::array* array = node.as_array();

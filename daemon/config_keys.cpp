@@ -92,6 +92,9 @@ std::vector<Key<AppConfig>> frontend_table() {
 
 std::vector<Key<AppConfig>> backend_table() {
   return {
+      text("pipeline.mode", AT(pipeline.mode),
+           "pov: what is believed of objects decides what tracking hangs on; static: every landmark counts alike",
+           {"pov", "static"}),
       key("backend.delay_frames", AT(pipeline.backend.delay_frames), 1, 1000,
           "Replay: the answer of a background job enters this many frames after it was asked for"),
       key("smooth.max_iterations", AT(pipeline.backend.smooth.max_iterations), 1, 1000,
@@ -144,7 +147,7 @@ std::vector<Key<SensorConfig>> sensor_table() {
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
               sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(CloseLoopOptions) == 48 &&
-              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 304);
+              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 584);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -166,7 +169,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::span<const Key<AppConfig>> config_keys() {
   static const std::vector<Key<AppConfig>> keys = [] {
     std::vector<Key<AppConfig>> all = daemon_table();
-    for (const auto& part : {frontend_table(), backend_table(), understanding_table()})
+    for (const auto& part : {frontend_table(), backend_table(), vem_table(), understanding_table()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();

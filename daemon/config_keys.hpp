@@ -17,6 +17,7 @@ namespace povslam {
 // Where a key's value lives in Config; the alternative is the key's type.
 template <class Config>
 using Member = std::variant<bool& (*)(Config&), int& (*)(Config&), double& (*)(Config&), std::string& (*)(Config&),
+                            std::uint8_t& (*)(Config&),  // an enumeration: which of the choices
                             std::array<double, 3>& (*)(Config&), std::array<double, 4>& (*)(Config&),
                             std::optional<std::array<double, 3>>& (*)(Config&),
                             std::optional<std::array<double, 4>>& (*)(Config&)>;
@@ -27,7 +28,7 @@ struct Key {
   Member<Config> member;
   std::string doc;
   double min = 0.0, max = 1.0;            // of numbers, of each element of an array, of a text's length
-  std::vector<std::string> choices = {};  // of text; empty: any
+  std::vector<std::string> choices = {};  // of text, empty: any; of an enumeration, in its order
 };
 
 // Two keys whose order matters: value of `low` must not exceed that of `high`.

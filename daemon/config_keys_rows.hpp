@@ -11,6 +11,9 @@
     return config.member;     \
   }
 
+// Getter of a member that is an enumeration of bytes.
+#define AT_CHOICE(member) [](auto& config) -> std::uint8_t& { return reinterpret_cast<std::uint8_t&>(config.member); }
+
 namespace povslam {
 
 template <class Config>
@@ -29,6 +32,7 @@ inline Key<AppConfig> text(const char* path, auto getter, const char* doc, std::
   return {path, Row<AppConfig>::at(getter), doc, 0, 512, std::move(choices)};
 }
 
+std::vector<Key<AppConfig>> vem_table();            // config_keys_vem.cpp
 std::vector<Key<AppConfig>> understanding_table();  // config_keys_understanding.cpp
 
 }  // namespace povslam

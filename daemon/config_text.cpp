@@ -52,6 +52,15 @@ std::string format_value(const std::optional<T>& value) {
   return value ? format_value(*value) : "";
 }
 
+// Of an enumeration, its name.
+std::string format_value(const std::uint8_t value, const std::vector<std::string>& choices) {
+  return format_value(choices.at(value));
+}
+template <class T>
+std::string format_value(const T& value, const std::vector<std::string>&) {
+  return format_value(value);
+}
+
 std::string section_of(const std::string& path) {
   return path.substr(0, path.find('.'));
 }
@@ -68,7 +77,7 @@ std::string describe(const Key<Config>& key) {
     if constexpr (std::is_same_v<Value, bool>) return "true or false";
     if constexpr (std::is_same_v<Value, int>) return fmt::format("an integer from {} to {}", key.min, key.max);
     if constexpr (std::is_same_v<Value, double>) return fmt::format("a number from {} to {}", key.min, key.max);
-    if constexpr (std::is_same_v<Value, std::string>) {
+    if constexpr (std::is_same_v<Value, std::string> || std::is_same_v<Value, std::uint8_t>) {
       if (!key.choices.empty()) return fmt::format("one of \"{}\"", fmt::join(key.choices, "\", \""));
       return fmt::format("text of {} to {} letters", key.min, key.max);
     }
@@ -93,7 +102,8 @@ std::string default_config_text() {
       section = section_of(key.path);
       text += "\n[" + section + "]\n";
     }
-    const std::string value = std::visit([&](auto member) { return format_value(member(defaults)); }, key.member);
+    const std::string value =
+        std::visit([&](auto member) { return format_value(member(defaults), key.choices); }, key.member);
     text += fmt::format("# {}; {}\n{} = {}\n", key.doc, describe(key), key.path.substr(section.size() + 1), value);
   }
   return text + kSensor;

@@ -14,6 +14,11 @@ enum class DropReason : std::uint8_t { ring_full, bad_frame, gap, late, unused, 
 inline constexpr std::size_t kNumDropReasons = 6;
 const char* to_string(DropReason reason);
 
+struct JobCounters {
+  std::atomic<std::int64_t> runs{0};
+  std::atomic<TimeNs> last{0};  // duration of the last run
+};
+
 struct Counters {
   std::atomic<std::int64_t> frames_in{0};  // whole frames from drivers
   std::atomic<std::int64_t> tracked{0};    // state ok or degraded
@@ -21,8 +26,7 @@ struct Counters {
   std::array<std::atomic<std::int64_t>, kNumDropReasons> drops{};
   std::atomic<std::int64_t> reopened{0};
   std::atomic<int> sensors_up{0};
-  std::atomic<std::int64_t> backend_runs{0};
-  std::atomic<TimeNs> backend_last{0};      // duration of the last run
+  JobCounters backend, vem;
   std::atomic<bool> store_used{false};      // the map is kept on disk
   std::atomic<bool> store_replaced{false};  // what was on the disk was damaged: the map began empty
   std::atomic<bool> store_failing{false};   // the last commit failed

@@ -162,8 +162,8 @@ Health Reporter::collect() {
   latencies_ms_.clear();
   tracking_ms_.clear();
   health.map = map_;
-  health.backend_runs = counters_.backend_runs.load();
-  health.backend_last_ms = to_ms(counters_.backend_last.load());
+  health.backend_runs = counters_.backend.runs.load();
+  health.backend_last_ms = to_ms(counters_.backend.last.load());
   health.store = store_health(counters_, now);
   health.understanding = {counters_.views.load(), counters_.views_dropped.load(), counters_.labels_dropped.load(),
                           news_, percentiles(understand_ms_)};

@@ -24,6 +24,7 @@ void TrackingThread::run() {
     ask_backend();
     hand_out_change();
     take_owners();
+    take_beliefs();
     counters_.tracking_cpu.store(thread_cpu_now(), std::memory_order_relaxed);
     busy_since_.store(0, std::memory_order_relaxed);
   }
@@ -31,6 +32,9 @@ void TrackingThread::run() {
 
 void TrackingThread::localise(const SensorFrame& frame) {
   while (const auto job = links_.solved.try_pop()) pipeline_.give_back(*job);
+  while (const auto window = links_.windows_solved == nullptr ? std::nullopt : links_.windows_solved->try_pop()) {
+    pipeline_.give_back(*window);
+  }
   out_.pose = pipeline_.localise(frame.rgbd);
   out_.map = pipeline_.map_size();
   out_.received = frame.received;
@@ -42,7 +46,8 @@ void TrackingThread::localise(const SensorFrame& frame) {
 
 void TrackingThread::ask_backend() {
   while (const auto job = pipeline_.take_job()) {
-    if (!links_.asked.try_push(BackendJob(*job))) pipeline_.give_back(*job);
+    const bool window = std::holds_alternative<VemProblem*>(*job) && links_.windows != nullptr;
+    if (!(window ? *links_.windows : links_.asked).try_push(BackendJob(*job))) pipeline_.give_back(*job);
   }
 }
 
@@ -77,6 +82,17 @@ void TrackingThread::take_owners() {
     owners_[count++] = *owner;
   }
   if (count > 0) pipeline_.take_owners(std::span(owners_).first(count));
+}
+
+void TrackingThread::take_beliefs() {
+  if (links_.beliefs == nullptr) return;
+  std::size_t count = 0;
+  while (count < beliefs_.size()) {
+    const auto belief = links_.beliefs->try_pop();
+    if (!belief) break;
+    beliefs_[count++] = *belief;
+  }
+  if (count > 0) pipeline_.take_beliefs(std::span(beliefs_).first(count));
 }
 
 bool TrackingThread::alive(TimeNs limit) const {

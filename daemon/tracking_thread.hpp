@@ -32,7 +32,10 @@ struct TrackingLinks {
   JobRing& solved;                          // the answers
   ChangeWay<MapChange>* changes = nullptr;  // of the map, to the disk; null: nobody stores it
   ViewExchange* views = nullptr;            // frames to be understood…
-  OwnerRing* owners = nullptr;              // …and what came of it; both null: nobody understands
+  OwnerRing* owners = nullptr;              // …and what came of it…
+  BeliefRing* beliefs = nullptr;            // …all null: nobody understands
+  JobRing* windows = nullptr;               // of variational EM, to solve…
+  JobRing* windows_solved = nullptr;        // …and the answers
 };
 
 class TrackingThread {
@@ -55,6 +58,7 @@ class TrackingThread {
   void hand_out_change();
   void hand_out_view(const RgbdFrame& frame);
   void take_owners();
+  void take_beliefs();
 
   Pipeline& pipeline_;
   TrackingLinks links_;
@@ -62,6 +66,7 @@ class TrackingThread {
   TrackingProbe probe_;
   TrackedFrame out_;
   std::array<LandmarkOwner, 512> owners_;        // of one turn: more wait for the next
+  std::array<ObjectBelief, 64> beliefs_;         // likewise
   std::atomic<TimeNs> busy_since_{0};            // monotonic; 0: waiting for a frame
   mutable std::atomic<TimeNs> waking_since_{0};  // monotonic; since when it has been seen waiting beside a frame
   std::jthread thread_;

@@ -12,6 +12,8 @@ void UnderstandingOutlet::flush() {
     events_.pop_front();
   }
   while (!unsent_owners_.empty() && owners_.try_push(LandmarkOwner(unsent_owners_.front()))) unsent_owners_.pop_front();
+  while (!unsent_beliefs_.empty() && beliefs_.try_push(ObjectBelief(unsent_beliefs_.front())))
+    unsent_beliefs_.pop_front();
 }
 
 }  // namespace povslam

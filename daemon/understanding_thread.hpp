@@ -25,6 +25,7 @@ struct UnderstandingLinks {
   LabelRing& labels;                // of the sensor
   LabelSources* sources = nullptr;  // other processes; null: none
   OwnerRing& owners;
+  BeliefRing& beliefs;
   ReportRing& reports;
   ChangeWay<WorldChange>* changes = nullptr;  // to the disk; null: nobody stores
 };
@@ -35,7 +36,7 @@ class BasicUnderstandingThread {
  public:
   // The mind is this thread's alone until finish().
   BasicUnderstandingThread(Mind& mind, const UnderstandingLinks& links)
-      : mind_(mind), links_(links), outlet_(links.reports, links.owners), thread_([this] { run(); }) {}
+      : mind_(mind), links_(links), outlet_(links.reports, links.owners, links.beliefs), thread_([this] { run(); }) {}
   ~BasicUnderstandingThread() { finish(); }
 
   BasicUnderstandingThread(const BasicUnderstandingThread&) = delete;
@@ -127,6 +128,7 @@ void BasicUnderstandingThread<Mind>::note(const Understood& done) {
   news_.views_understood += is_view ? 1 : 0;
   news_.events += static_cast<std::int64_t>(done.events.size());
   outlet_.add(std::span<const LandmarkOwner>(done.owners));
+  outlet_.add(std::span<const ObjectBelief>(done.beliefs));
   if (links_.changes == nullptr) {
     outlet_.add(std::span<const ObjectEvent>(done.events));
   } else {

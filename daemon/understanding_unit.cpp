@@ -8,7 +8,7 @@ namespace povslam {
 namespace {
 
 constexpr int kViewSlots = 3;
-constexpr std::size_t kOwners = 4096;  // some views' worth
+constexpr std::size_t kOwners = 4096, kBeliefs = 1024;  // some views' worth
 
 // A camera's labels are the sensor right after it.
 bool delivers_labels(const DriverSetup& setup) {
@@ -48,7 +48,7 @@ Result<std::unique_ptr<UnderstandingUnit>> UnderstandingUnit::start(const AppCon
   }
   unit->thread_.emplace(unit->understanding_,
                         UnderstandingLinks{links.bell, unit->views_, unit->sensor_labels_, unit->sources_.get(),
-                                           unit->owners_, links.reports, links.changes});
+                                           unit->owners_, unit->beliefs_, links.reports, links.changes});
   return unit;
 }
 
@@ -59,6 +59,7 @@ UnderstandingUnit::UnderstandingUnit(const AppConfig& config, const Understandin
              &links.bell),
       sensor_labels_(kLabelRing, &links.bell),
       owners_(kOwners),
+      beliefs_(kBeliefs),
       understanding_(options, setup.sensors[0], std::move(classes), content) {}
 
 void UnderstandingUnit::finish() {

@@ -27,6 +27,7 @@ class UnderstandingUnit {
   // For tracking and the sensor.
   ViewExchange& views() { return views_; }
   OwnerRing& owners() { return owners_; }
+  BeliefRing& beliefs() { return beliefs_; }
   LabelRing* sensor_labels() { return sensor_labels_used_ ? &sensor_labels_ : nullptr; }
 
   // Once tracking and the sensor have stopped: ends the session, stops the thread, then the label sources.
@@ -43,6 +44,7 @@ class UnderstandingUnit {
   ViewExchange views_;
   LabelRing sensor_labels_;
   OwnerRing owners_;
+  BeliefRing beliefs_;
   bool sensor_labels_used_ = false;
   Understanding understanding_;
   std::unique_ptr<LabelSources> sources_;

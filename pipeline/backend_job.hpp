@@ -6,10 +6,11 @@
 #include "pipeline/frontend/loop_problem.hpp"
 #include "pipeline/frontend/smooth_problem.hpp"
 #include "pipeline/options.hpp"
+#include "pipeline/vem_problem.hpp"
 
 namespace povslam {
 
-using BackendJob = std::variant<SmoothProblem*, LoopProblem*>;  // never null; the pipeline's
+using BackendJob = std::variant<SmoothProblem*, LoopProblem*, VemProblem*>;  // never null; the pipeline's
 
 void solve(const BackendJob& job, const BackendOptions& options);
 

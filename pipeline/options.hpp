@@ -3,11 +3,13 @@
 
 #include "pipeline/backend/close_loop.hpp"
 #include "pipeline/backend/smooth.hpp"
+#include "pipeline/backend/vem_options.hpp"
 #include "pipeline/frontend/options.hpp"
 #include "pipeline/mapping/empty_space.hpp"
 #include "pipeline/mapping/integrate.hpp"
 #include "pipeline/objects/options.hpp"
 #include "pipeline/objects/segment.hpp"
+#include "pipeline/window_options.hpp"
 
 namespace povslam {
 
@@ -15,6 +17,7 @@ struct BackendOptions {
   int delay_frames = 10;  // replay: the answer of a background job enters this many frames after it was asked for
   SmoothOptions smooth;
   CloseLoopOptions close_loop;
+  VemOptions vem;
 };
 
 struct UnderstandingOptions {
@@ -32,8 +35,10 @@ struct UnderstandingOptions {
 };
 
 struct PipelineOptions {
+  std::string mode = "pov";  // static: tracking knows nothing of objects, each landmark counts alike
   FrontendOptions frontend;
   BackendOptions backend;
+  WindowOptions window;
   UnderstandingOptions understanding;
 };
 

@@ -9,6 +9,8 @@ struct Pipeline::Impl {
        const MapContent* map)
       : T_camera_body(calibration.T_body_sensor.inverse()),
         tracker(calibration, options.frontend, T_world_body_start * calibration.T_body_sensor, map),
+        pov(options.mode == "pov"),
+        vem(calibration.camera, options.frontend, options.window, options.understanding.objects.belief),
         view_period(from_seconds(options.understanding.period_s)) {
     T_odom_start = T_world_body_start * calibration.T_body_sensor;
   }
@@ -16,7 +18,26 @@ struct Pipeline::Impl {
   Rigid3 T_camera_body;
   Rigid3 T_odom_start;  // odom begins where the world does
   Tracker tracker;
+  // What is known of objects, and came of it, enters.
+  void apply_window() {
+    if (!pov) return;
+    if (const auto T_new_old = vem.apply(tracker.object_trust())) tracker.correct(*T_new_old);
+  }
+  // The frame tracked just now into the window.
+  void look(const TrackResult& track) {
+    if (!pov) return;
+    if (track.map_version != map_version) vem.map_moved();
+    map_version = track.map_version;
+    const bool tracked = track.state == TrackState::ok || track.state == TrackState::degraded;
+    if (!tracked || track.num_landmarks == 0) return vem.forget();
+    vem.look(tracker.map(), tracker.local_map(), tracker.frame(), track.T_odom_camera);
+  }
+
   PoseEstimate estimate;
+  bool pov;
+  VemExchange vem;
+  std::uint32_t map_version = 0;
+  std::vector<std::pair<std::int32_t, std::int64_t>> gone;
   TimeNs view_period;
   std::optional<TimeNs> last_view;
 };
@@ -44,6 +65,7 @@ float ms(TimeNs span) {
 
 const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   const TimeNs start = thread_cpu_now();
+  impl_->apply_window();
   const TrackResult& track = impl_->tracker.track(frame);
   PoseEstimate& out = impl_->estimate;
   out.stamp = frame.stamp;
@@ -59,17 +81,23 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   out.keyframe = track.keyframe;
   out.reference_keyframe = track.reference_keyframe;
   out.T_reference_camera = track.T_reference_camera;
+  impl_->look(track);
   out.times = {ms(track.features_ns), ms(track.track_ns), ms(track.keyframe_ns), ms(thread_cpu_now() - start)};
   return out;
 }
 
 std::optional<BackendJob> Pipeline::take_job() {
+  if (impl_->pov) {
+    if (VemProblem* window = impl_->vem.take(impl_->tracker.map())) return window;
+  }
   if (LoopProblem* loop = impl_->tracker.take_loop()) return loop;
   if (SmoothProblem* window = impl_->tracker.take_problem()) return window;
   return std::nullopt;
 }
 void Pipeline::give_back(const BackendJob& job) {
-  std::visit([this](auto* problem) { impl_->tracker.give_back(problem); }, job);
+  if (VemProblem* const* window = std::get_if<VemProblem*>(&job)) return impl_->vem.give_back(*window);
+  if (SmoothProblem* const* problem = std::get_if<SmoothProblem*>(&job)) impl_->tracker.give_back(*problem);
+  if (LoopProblem* const* problem = std::get_if<LoopProblem*>(&job)) impl_->tracker.give_back(*problem);
 }
 
 MapChange* Pipeline::take_change() {
@@ -99,6 +127,8 @@ void Pipeline::fill_view(const RgbdFrame& frame, View& view) {
   view.trusted = pose.state == TrackState::ok;
   view.map_version = pose.map_version;
   view.landmarks.clear();
+  view.doubted.clear();
+  if (impl_->pov) impl_->vem.doubted(view.doubted);
   const Frame& seen = impl_->tracker.frame();
   const Map& map = impl_->tracker.map();
   for (int i = 0; i < seen.size(); ++i) {
@@ -111,7 +141,21 @@ void Pipeline::fill_view(const RgbdFrame& frame, View& view) {
 }
 
 void Pipeline::take_owners(std::span<const LandmarkOwner> owners) {
-  for (const LandmarkOwner& owner : owners) impl_->tracker.set_owner(owner.slot, owner.landmark, owner.object);
+  if (!impl_->pov) return;
+  impl_->gone.clear();
+  for (const LandmarkOwner& owner : owners) {
+    if (owner.object == LandmarkOwner::kGone) {
+      impl_->gone.emplace_back(owner.slot, owner.landmark);
+    } else {
+      impl_->tracker.set_owner(owner.slot, owner.landmark, owner.object);
+    }
+  }
+  if (!impl_->gone.empty()) impl_->tracker.remove_landmarks(impl_->gone);
+}
+
+void Pipeline::take_beliefs(std::span<const ObjectBelief> beliefs) {
+  if (!impl_->pov) return;
+  for (const ObjectBelief& belief : beliefs) impl_->vem.know(belief, impl_->tracker.object_trust());
 }
 
 std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {
@@ -119,6 +163,10 @@ std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {
 }
 MapSize Pipeline::map_size() const {
   return {impl_->tracker.map().num_keyframes(), impl_->tracker.map().num_landmarks()};
+}
+
+VemCounts Pipeline::vem() const {
+  return impl_->vem.counts();
 }
 
 LoopCounts Pipeline::loops() const {

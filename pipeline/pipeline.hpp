@@ -18,6 +18,7 @@
 #include "pipeline/objects/view.hpp"
 #include "pipeline/options.hpp"
 #include "pipeline/output.hpp"
+#include "pipeline/vem_exchange.hpp"
 
 namespace povslam {
 
@@ -49,13 +50,16 @@ class Pipeline {
   // understanding.period_s have passed since the last view filled. fill_view() reuses the view's buffers.
   bool view_due() const;
   void fill_view(const RgbdFrame& frame, View& view);
-  // Which objects landmarks belong to, as Understood said.
+  // Which objects landmarks belong to, and what is believed of objects, as Understood said. Between two calls of
+  // localise().
   void take_owners(std::span<const LandmarkOwner> owners);
+  void take_beliefs(std::span<const ObjectBelief> beliefs);
 
   // Present pose of a keyframe named by a PoseEstimate (also of one merged away since), T_world_camera.
   std::optional<Rigid3> keyframe_pose(std::int64_t keyframe) const;
   MapSize map_size() const;
   LoopCounts loops() const;  // since the start
+  VemCounts vem() const;
 
  private:
   struct Impl;

@@ -30,6 +30,7 @@ struct Understood {  // of one view
   TimeNs stamp = 0;
   std::vector<ObjectEvent> events;
   std::vector<LandmarkOwner> owners;  // that changed
+  std::vector<ObjectBelief> beliefs;  // likewise
   int observations = 0;
   UnderstandTimes times;
 };

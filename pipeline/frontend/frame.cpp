@@ -103,6 +103,7 @@ Frame::Frame(const PinholeCamera& camera, const FrontendOptions& options)
   slope_y.resize(capacity);
   sigma_px.resize(capacity);
   landmark.resize(capacity, kNone);
+  misfit.resize(capacity, kNone);
 }
 
 Eigen::Vector3d Frame::point_camera(int i, const PinholeCamera& camera) const {
@@ -150,6 +151,7 @@ void FrameBuilder::build(const RgbdFrame& input, double depth_noise_factor, Fram
   rectify(frame);
   measure_depth(input, depth_noise_factor, frame);
   std::fill_n(frame.landmark.begin(), frame.size(), kNone);
+  std::fill_n(frame.misfit.begin(), frame.size(), kNone);
   const std::size_t n = static_cast<std::size_t>(frame.size());
   frame.grid.build({frame.x.data(), n}, {frame.y.data(), n});
 }

@@ -36,7 +36,8 @@ struct Frame {
   std::vector<float> sigma_inverse_depth;  // 1/m
   std::vector<float> slope_x, slope_y;     // 1/m per px: how inverse depth changes across the image there
   std::vector<float> sigma_px;             // of x, y
-  std::vector<std::int32_t> landmark;      // slot in the map, kNone
+  std::vector<std::int32_t> landmark;      // slot in the map of what fits, kNone
+  std::vector<std::int32_t> misfit;        // slot of what was looked for here, looks like it and does not fit, kNone
   FeatureGrid grid;
   Rigid3 T_camera_world;
 };

@@ -21,7 +21,7 @@ void LandmarkSearch::match_last(const Map& map, const Frame& last, const Frame& 
   const Rigid3 T_world_last = last.T_camera_world.inverse();
   for (int i = 0; i < last.size(); ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
-    const std::int32_t seen = last.landmark[k];
+    const std::int32_t seen = last.landmark[k] != kNone && map.believed(last.landmark[k]) ? last.landmark[k] : kNone;
     if (seen == kNone && !last.has_depth(i)) continue;
     const Eigen::Vector3d p_world =
         seen != kNone ? map.landmark(seen).p_world : T_world_last * last.point_camera(i, camera_);
@@ -53,6 +53,7 @@ void LandmarkSearch::match_more(Map& map, std::span<const std::int32_t> landmark
   const Eigen::Vector3d p_world_camera = T_camera_world.inverse().translation;
   const Eigen::Matrix3d R = T_camera_world.matrix3();
   for (const std::int32_t slot : landmarks) {
+    if (!map.believed(slot)) continue;
     Landmark& point = map.landmark(slot);
     const Eigen::Vector3d p = R * point.p_world + T_camera_world.translation;
     if (p.z() < kNearestM) continue;
@@ -73,6 +74,27 @@ void LandmarkSearch::match_more(Map& map, std::span<const std::int32_t> landmark
     c.descriptor = &point.descriptor;
     c.tag = slot;
     matcher.match(frame, c, kMaxDistance, kNearestRatio);
+  }
+}
+
+void LandmarkSearch::match_wide(const Map& map, std::span<const std::int32_t> landmarks, const Frame& frame,
+                                const Rigid3& T_camera_world, double reach_m, Matcher& matcher) const {
+  matcher.start(frame);
+  for (const std::int32_t slot : landmarks) {
+    const Landmark& point = map.landmark(slot);
+    const Eigen::Vector3d p = T_camera_world * point.p_world;
+    if (p.z() < std::max(kNearestM, 0.5 * reach_m)) continue;
+    const int level = predicted_level(point.reference_level, point.reference_distance_m, p.norm(), log_scale_);
+    const int levels = 1 + static_cast<int>(std::ceil(std::log1p(reach_m / p.norm()) / log_scale_));
+    MatchCandidate c;
+    c.u_px = static_cast<float>(camera_.fx * p.x() / p.z() + camera_.cx);
+    c.v_px = static_cast<float>(camera_.fy * p.y() / p.z() + camera_.cy);
+    c.radius_px = static_cast<float>(camera_.fx * reach_m / p.z());
+    c.min_level = static_cast<std::int8_t>(level - levels);
+    c.max_level = static_cast<std::int8_t>(level + levels);
+    c.descriptor = &point.descriptor;
+    c.tag = slot;
+    matcher.match(frame, c, kMaxDistanceFar, kNearestRatio);
   }
 }
 

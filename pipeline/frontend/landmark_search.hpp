@@ -24,6 +24,10 @@ class LandmarkSearch {
   // More of them, on features that show none yet.
   void match_more(Map& map, std::span<const std::int32_t> landmarks, const Frame& frame, const Rigid3& T_camera_world,
                   float widening, Matcher& matcher) const;
+  // Any feature that looks like the landmark where it might show if it, or the camera, were up to reach_m elsewhere.
+  // Whether it is believed or not.
+  void match_wide(const Map& map, std::span<const std::int32_t> landmarks, const Frame& frame,
+                  const Rigid3& T_camera_world, double reach_m, Matcher& matcher) const;
 
  private:
   PinholeCamera camera_;

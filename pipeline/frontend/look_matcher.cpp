@@ -31,7 +31,7 @@ void LookMatcher::gather(const Map& map, std::span<const std::int32_t> place) {
   num_matched_ = 0;
   for (std::size_t k = 0; k < place.size(); ++k) {
     for (const std::int32_t slot : map.keyframe(place[k]).landmark) {
-      if (slot == kNone || marked_[static_cast<std::size_t>(slot)] == mark_) continue;
+      if (slot == kNone || marked_[static_cast<std::size_t>(slot)] == mark_ || !map.believed(slot)) continue;
       if (landmarks_.size() == kMaxLandmarks) return;
       marked_[static_cast<std::size_t>(slot)] = mark_;
       landmarks_.push_back(slot);

@@ -159,7 +159,7 @@ void LoopCloser::begin_joining(const Map& map, const LoopFound& found) {
   generations_.clear();
   for (const std::int32_t slot : there.keyframes()) {
     for (const std::int32_t seen : map.keyframe(slot).landmark) {
-      if (seen == kNone || old_landmarks_.size() == max_old_landmarks_) continue;
+      if (seen == kNone || !map.believed(seen) || old_landmarks_.size() == max_old_landmarks_) continue;
       old_landmarks_.push_back(seen);
       generations_.push_back(map.landmark(seen).generation);
     }

@@ -11,6 +11,7 @@
 #include "pipeline/frontend/id_table.hpp"
 #include "pipeline/frontend/keyframe.hpp"
 #include "pipeline/frontend/landmark.hpp"
+#include "pipeline/frontend/object_trust.hpp"
 #include "pipeline/frontend/patch.hpp"
 
 namespace povslam {
@@ -41,6 +42,10 @@ class Map {
   Patch& patch(std::int32_t slot) { return patches_[static_cast<std::size_t>(slot)]; }
   const Patch& patch(std::int32_t slot) const { return patches_[static_cast<std::size_t>(slot)]; }
   int num_landmarks() const { return num_landmarks_; }
+  // What is believed of the object a landmark is part of; poses do not hang on landmarks that are not believed.
+  ObjectTrust& object_trust() { return object_trust_; }
+  float trust(std::int32_t slot) const { return object_trust_.of(landmark(slot).owner); }
+  bool believed(std::int32_t slot) const { return trust(slot) > 0.0F; }
   std::int32_t landmark_slots() const { return static_cast<std::int32_t>(landmarks_.size()); }
 
   // Sightings. A landmark is seen at most once by a keyframe; when its list is full the oldest but the first goes.
@@ -57,6 +62,7 @@ class Map {
   int num_levels() const { return static_cast<int>(level_scales_.size()); }
 
  private:
+  static constexpr std::size_t kMaxTrustedObjects = 8192;
   static constexpr std::size_t kRememberedIds = 1 << 17;  // removed keyframes whose pose can still be asked for
   struct Ghost {                                          // a removed keyframe, hanging on one that stayed
     std::int64_t id = -1;
@@ -84,6 +90,7 @@ class Map {
   std::vector<Landmark> landmarks_;
   std::vector<std::int32_t> free_landmarks_;
   IdTable slot_of_id_;
+  ObjectTrust object_trust_{kMaxTrustedObjects};
   std::vector<Ghost> ghosts_;  // by id since the first modulo size: old ones are forgotten
   int num_keyframes_ = 0, num_landmarks_ = 0;
   std::int64_t first_id_ = 0, next_id_ = 0;  // keyframes of this session

@@ -26,7 +26,7 @@ void SmoothExchange::add_pose(Map& map, std::int32_t slot, bool fixed, SmoothPro
 void SmoothExchange::add_points(Map& map, std::size_t first_pose, std::size_t last_pose, SmoothProblem& problem) {
   for (std::size_t p = first_pose; p < last_pose; ++p) {
     for (const std::int32_t slot : map.keyframe(map.find_keyframe(problem.poses[p].keyframe)).landmark) {
-      if (slot == kNone || point_of_landmark_[static_cast<std::size_t>(slot)] >= 0) continue;
+      if (slot == kNone || point_of_landmark_[static_cast<std::size_t>(slot)] >= 0 || !map.believed(slot)) continue;
       const Landmark& point = map.landmark(slot);
       if (point.num_sightings < 2) continue;  // says nothing about poses
       if (problem.points.size() == static_cast<std::size_t>(options_.smooth_max_points)) return;

@@ -46,8 +46,9 @@ class Problem {
       J.row(0) << fx * iz, 0.0, -fx * x * iz2, -fx * x * y * iz2, fx * (1.0 + x * x * iz2), -fx * y * iz;
       J.row(1) << 0.0, fy * iz, -fy * y * iz2, -fy * (1.0 + y * y * iz2), fy * x * y * iz2, fy * x * iz;
       J.row(2) << 0.0, 0.0, -iz2, -y * iz2, x * iz2, 0.0;
-      const double w_px = o.weight_px * huber_weight(r.chi2_px, options_.chi2_pixel);
-      const double w_d = o.depth_fits ? o.weight_inverse_depth * huber_weight(r.chi2_d, options_.chi2_depth) : 0.0;
+      const double w_px = o.trust * o.weight_px * huber_weight(r.chi2_px, options_.chi2_pixel);
+      const double w_d =
+          o.depth_fits ? o.trust * o.weight_inverse_depth * huber_weight(r.chi2_d, options_.chi2_depth) : 0.0;
       n.H.noalias() += w_px * (J.row(0).transpose() * J.row(0) + J.row(1).transpose() * J.row(1));
       n.g.noalias() += w_px * (r.ru * J.row(0) + r.rv * J.row(1)).transpose();
       if (w_d > 0.0) {

@@ -16,6 +16,7 @@ struct PoseObservation {
   double inverse_depth_per_m = 0.0;   // 0 = none
   double weight_px = 1.0;             // 1 / sigma^2 [1/px^2]
   double weight_inverse_depth = 0.0;  // 1 / sigma^2 [m^2]
+  double trust = 1.0;                 // factor on both in the solution, not in what fits
   bool fits = true;                   // answer: the pixel agrees
   bool depth_fits = true;             // answer: there is a depth and it agrees
 };

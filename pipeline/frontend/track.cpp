@@ -23,7 +23,6 @@ constexpr double kUnseenTurnRadps = 1.0;
 constexpr double kStepM = 0.05, kMaxSpeedMps = 4.0, kStepRad = 0.05, kMaxTurnRadps = 6.0;
 constexpr double kAnywhereM = 100.0, kAnyTurnRad = 3.0;  // doubt of a pose nobody knows
 constexpr int kStartTries = 30;                          // frames
-constexpr double kJumpM = 0.02, kJumpRad = 0.01;         // a correction of the map that is said to be one
 }  // namespace
 
 Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& options,
@@ -60,6 +59,9 @@ void Tracker::adopt(const MapContent& content) {
   MapLoader::load(content, camera_, map_);
   places_.update(map_, content.meta.vocabulary == places_.vocabulary());
   journal_.assume_written(map_, content);
+  for (std::int32_t slot = 0; slot < map_.landmark_slots(); ++slot) {
+    if (map_.landmark(slot).alive) restored_landmarks_.emplace(map_.landmark(slot).id, slot);
+  }
   result_.map_version = content.meta.map_version;
   result_.state = TrackState::lost;
   result_.covariance.topLeftCorner<3, 3>().diagonal().setConstant(kAnywhereM * kAnywhereM);
@@ -247,6 +249,7 @@ void Tracker::observe_matches() {
     if (tag == kNone) continue;
     const std::size_t k = static_cast<std::size_t>(i);
     PoseObservation o;
+    o.trust = tag < kPointOfLast ? map_.trust(tag) : 1.0;
     double point_variance = 1.0;  // of the point's own inverse depth, in units of one reading's
     if (tag >= kPointOfLast) {
       o.p_world = T_world_last * last_.point_camera(tag - kPointOfLast, camera_);
@@ -282,10 +285,12 @@ int Tracker::refine_matches(const PoseSolution& solution) {
 // The frame keeps the landmarks whose observations fit.
 void Tracker::take_landmarks() {
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+  std::fill_n(frame_.misfit.begin(), frame_.size(), kNone);
   for (std::size_t o = 0; o < observations_.size(); ++o) {
     const std::int32_t tag = matcher_.tag_of(observed_feature_[o]);
-    if (!observations_[o].fits || tag >= kPointOfLast) continue;
-    frame_.landmark[static_cast<std::size_t>(observed_feature_[o])] = tag;
+    if (tag >= kPointOfLast) continue;
+    auto& kept = observations_[o].fits ? frame_.landmark : frame_.misfit;
+    kept[static_cast<std::size_t>(observed_feature_[o])] = tag;
   }
 }
 
@@ -373,6 +378,7 @@ bool Tracker::confirm(const Rigid3& T_camera_world) {
 void Tracker::hold_pose() {
   frame_.T_camera_world = result_.T_world_camera.inverse();
   std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
+  std::fill_n(frame_.misfit.begin(), frame_.size(), kNone);
   motion_.forget();
   matches_of_last_ = 0;
   result_.num_landmarks = 0;
@@ -451,36 +457,6 @@ void Tracker::give_back(SmoothProblem* problem) {
   problem_state_ = ProblemState::answered;
 }
 
-// What was solved beside tracking enters; the last pose moves along with the keyframe it was tracked against.
-void Tracker::apply_answers() {
-  if (problem_state_ == ProblemState::answered) {
-    problem_state_ = ProblemState::idle;
-    if (!problem_outdated_) move_with_map(smooth_exchange_.apply(map_, problem_, reference_id_));
-  }
-  if (const auto T_new_old = loops_.apply(map_, reference_id_)) {
-    problem_outdated_ = true;
-    move_with_map(*T_new_old);
-  }
-  if (loops_.join_some(map_)) forget_dead_landmarks();
-}
-
-void Tracker::move_with_map(const Rigid3& T_new_old) {
-  const Rigid3 before = result_.T_world_camera;
-  result_.T_world_camera = T_new_old * before;
-  const bool jumped = (result_.T_world_camera.translation - before.translation).norm() > kJumpM ||
-                      rotation_angle_rad(T_new_old) > kJumpRad;
-  if (jumped) ++result_.map_version;
-  frame_.T_camera_world = frame_.T_camera_world * T_new_old.inverse();
-  forget_dead_landmarks();
-}
-
-void Tracker::forget_dead_landmarks() {
-  for (int i = 0; i < frame_.size(); ++i) {
-    std::int32_t& seen = frame_.landmark[static_cast<std::size_t>(i)];
-    if (seen != kNone && !map_.landmark(seen).alive) seen = kNone;
-  }
-}
-
 MapMeta Tracker::meta() const {
   MapMeta meta;
   meta.map_version = result_.map_version;
@@ -496,12 +472,6 @@ MapChange* Tracker::take_change() {
 MapChange* Tracker::collect_change() {
   if (options_.map.mode == "localise") return nullptr;
   return journal_.collect(map_, meta());
-}
-
-void Tracker::set_owner(std::int32_t slot, std::int64_t landmark, std::int64_t owner) {
-  if (slot < 0 || slot >= map_.landmark_slots()) return;
-  Landmark& point = map_.landmark(slot);
-  if (point.alive && point.id == landmark) point.owner = owner;
 }
 
 }  // namespace povslam

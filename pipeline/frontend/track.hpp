@@ -3,6 +3,10 @@
 // ever wider; then the local map. Failing all, the pose is held, its covariance grows, and the map is searched.
 #pragma once
 
+#include <span>
+#include <unordered_map>
+#include <utility>
+
 #include "pipeline/frames/calibration.hpp"
 #include "pipeline/frontend/keyframer.hpp"
 #include "pipeline/frontend/landmark_search.hpp"
@@ -56,8 +60,16 @@ class Tracker {
   void give_back(MapChange* change) { journal_.give_back(change); }
 
   const Map& map() const { return map_; }
-  const Frame& frame() const { return frame_; }  // the last one tracked, its landmarks those that fit
+  const Frame& frame() const { return frame_; }             // the last one tracked, its landmarks those that fit
+  const LocalMap& local_map() const { return local_map_; }  // around the last frame
+
+  // What became known of objects, between two frames. slot < 0: of an earlier session's landmark, by its id.
   void set_owner(std::int32_t slot, std::int64_t landmark, std::int64_t owner);  // of a landmark, if it is still there
+  void remove_landmarks(std::span<const std::pair<std::int32_t, std::int64_t>> slot_and_id);
+  ObjectTrust& object_trust() { return map_.object_trust(); }
+  // The last frame's camera was elsewhere in the world: T_new_old maps points of the world as they were seen to where
+  // they are.
+  void correct(const Rigid3& T_new_old);
 
  private:
   void adopt(const MapContent& content);
@@ -109,7 +121,8 @@ class Tracker {
   MapJournal journal_;
   MapPlaces places_;
   LoopCloser loops_;
-  Agreement agreement_;  // of what frames say while lost
+  std::unordered_map<std::int64_t, std::int32_t> restored_landmarks_;  // id -> slot, of an earlier session
+  Agreement agreement_;                                                // of what frames say while lost
   Frame frame_, last_;
   std::vector<PoseObservation> observations_;
   std::vector<std::int32_t> observed_feature_;  // of each observation

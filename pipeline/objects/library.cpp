@@ -109,7 +109,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   merge_duplicates(association, reach, step);
   drop_unbelieved(view.stamp, step);
   desk_.decide(view.stamp, step.events);
-  for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone);
+  for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone, step);
 }
 
 bool ObjectLibrary::contradicted(const SurfaceLook& look, const MapObject& object) const {
@@ -131,6 +131,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
     object.belief = observe_change(object.belief, change_m, class_of(object), belief).belief;
   }
   if (contradicted(look, object)) return;  // part of it is gone: its shape must not be painted over
+  if (std::ranges::find(doubted_, object.id) != doubted_.end()) return;
   object.last_seen = view.stamp;
   object.first_absent = object.last_absent = std::nullopt;
   ++object.observations;
@@ -255,13 +256,13 @@ void ObjectLibrary::divide(const Association& association, const Extraction& ext
   }
   for (const std::int64_t id : divided) {
     desk_.withdraw(id);
-    erase(id, step);
+    erase(id, LandmarkOwner::kNobody, step);
   }
 }
 
 void ObjectLibrary::merge_duplicates(const Association& association, const std::vector<MapObject*>& reach,
                                      LibraryStep& step) {
-  std::vector<std::int64_t> merged;
+  std::vector<std::int64_t> merged, heirs;
   const auto alive = [this](const MapObject* object) {
     return std::ranges::any_of(objects_, [object](const auto& kept) { return kept.get() == object; });
   };
@@ -275,21 +276,23 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
     merge_into(*a, *b);
     refresh_shape(*a, shape_weight(*a), kAssumedDepth);
     merged.push_back(b->id);
+    heirs.push_back(a->id);
   }
-  for (const std::int64_t id : merged) {
-    desk_.withdraw(id);
-    erase(id, step);
+  for (std::size_t i = 0; i < merged.size(); ++i) {
+    desk_.withdraw(merged[i]);
+    erase(merged[i], heirs[i], step);
   }
 }
 
 void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
-  std::vector<std::int64_t> dropped;
+  std::vector<std::int64_t> dropped, heirs;
   for (const auto& object : objects_) {
     const bool tentative = object->phase == ObjectPhase::tentative;
     const bool forgotten = tentative && now - object->last_seen > from_seconds(options_.life.forget_tentative_s);
     const bool unbelieved = object->belief.expected_consistency() < options_.belief.remove_below;
     if (!forgotten && !unbelieved) continue;
     dropped.push_back(object->id);
+    heirs.push_back(object->last_absent ? LandmarkOwner::kGone : LandmarkOwner::kNobody);
     desk_.withdraw(object->id);
     if (tentative || !object->last_absent) continue;
     PlaceChange change = change_of(*object, now);
@@ -300,10 +303,10 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     old_places_.push_back({object->box_world(), object->last_seen});
     if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
   }
-  for (const std::int64_t id : dropped) erase(id, step);
+  for (std::size_t i = 0; i < dropped.size(); ++i) erase(dropped[i], heirs[i], step);
 }
 
-void ObjectLibrary::erase(std::int64_t id, LibraryStep& step) {
+void ObjectLibrary::erase(std::int64_t id, std::int64_t heir, LibraryStep& step) {
   std::erase_if(objects_, [id](const auto& object) { return object->id == id; });
   std::erase(step.changed, id);
   step.removed.push_back(id);
@@ -312,18 +315,28 @@ void ObjectLibrary::erase(std::int64_t id, LibraryStep& step) {
       ++it;
       continue;
     }
-    step.owners.push_back({it->first, it->second.slot, -1});
-    it = owner_of_landmark_.erase(it);
+    step.owners.push_back({it->first, it->second.slot, heir});
+    if (heir >= 0) {
+      it->second.object = heir;
+      ++it;
+    } else {
+      it = owner_of_landmark_.erase(it);
+    }
   }
 }
 
 // A thing that moved is known by the id it had.
-void ObjectLibrary::rename(std::int64_t came, std::int64_t gone) {
+void ObjectLibrary::rename(std::int64_t came, std::int64_t gone, LibraryStep& step) {
+  std::ranges::replace(step.changed, came, gone);
+  step.removed.push_back(came);
+  std::erase(step.removed, gone);
   for (const auto& object : objects_) {
     if (object->id == came) object->id = gone;
   }
   for (auto& [landmark, owned] : owner_of_landmark_) {
-    if (owned.object == came) owned.object = gone;
+    if (owned.object != came) continue;
+    owned.object = gone;
+    step.owners.push_back({landmark, owned.slot, gone});
   }
   for (auto& [pixels, owner] : object_of_owner_) {
     if (owner == came) owner = gone;
@@ -367,7 +380,7 @@ void ObjectLibrary::finish(LibraryStep& step) {
   TimeNs now = 0;
   for (const auto& object : objects_) now = std::max(now, object->last_seen);
   desk_.decide_all(now, step.events);
-  for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone);
+  for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone, step);
 }
 
 void ObjectLibrary::restore(const WorldMeta& meta) {

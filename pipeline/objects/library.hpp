@@ -32,8 +32,14 @@ class ObjectLibrary {
   // Matches the view's observations and renames the owners of its pixels; integrates them into the objects' volumes.
   // empty: where space was seen empty before this view. The view's pose is trusted.
   void observe(const Extraction& extraction, const EmptySpace& empty, DepthView& view, LibraryStep& step);
+  // What is believed of objects, for tracking: of those that the step changed, or removed.
+  std::vector<ObjectBelief> beliefs(const LibraryStep& step) const;
+  // Of an earlier session: whose landmarks are whose, and what is believed of all.
+  void tell_restored(std::vector<LandmarkOwner>& owners, std::vector<ObjectBelief>& beliefs) const;
   // The landmarks seen on the objects of the view observed last.
   void claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view, LibraryStep& step);
+  // Objects that tracking sees and does not believe where they were: their shapes are left alone until it does again.
+  void doubt(const std::vector<std::int64_t>& objects) { doubted_ = objects; }
   // Decides what was held back (end of a session).
   void finish(LibraryStep& step);
 
@@ -62,8 +68,10 @@ class ObjectLibrary {
               LibraryStep& step);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
   void drop_unbelieved(TimeNs now, LibraryStep& step);
-  void erase(std::int64_t id, LibraryStep& step);
-  void rename(std::int64_t came, std::int64_t gone);
+  // heir: the object its landmarks belong to from now on, LandmarkOwner::kNobody, or kGone.
+  void erase(std::int64_t id, std::int64_t heir, LibraryStep& step);
+  ObjectBelief belief_of(const MapObject& object) const;
+  void rename(std::int64_t came, std::int64_t gone, LibraryStep& step);
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
@@ -86,7 +94,8 @@ class ObjectLibrary {
     Box box;
     TimeNs last_present = 0;
   };
-  std::vector<OldPlace> old_places_;                            // the latest
+  std::vector<OldPlace> old_places_;  // the latest
+  std::vector<std::int64_t> doubted_;
   std::vector<std::pair<std::int64_t, std::int64_t>> renamed_;  // came, gone: by the desk, in this step
 };
 

@@ -5,6 +5,8 @@
 
 #include "pipeline/frames/rgbd_frame.hpp"
 #include "pipeline/geometry/rigid.hpp"
+#include "pipeline/objects/class_table.hpp"
+#include "pipeline/objects/object_event.hpp"
 
 namespace povslam {
 
@@ -23,15 +25,28 @@ struct View {
   bool trusted = false;                    // the tracker's state was OK
   std::uint32_t map_version = 0;
   std::vector<SeenLandmark> landmarks;
+  std::vector<std::int64_t> doubted;  // objects that are seen and not believed to be where they were
 
   TimeNs stamp() const { return frame.stamp; }
 };
 
 // Which object a landmark of the tracker belongs to: the tracker's own table keeps it.
 struct LandmarkOwner {
+  static constexpr std::int64_t kNobody = -1;  // structure, or not known
+  static constexpr std::int64_t kGone = -2;    // it was part of something that is not there any more
   std::int64_t landmark = -1;
-  std::int32_t slot = -1;    // see SeenLandmark
-  std::int64_t object = -1;  // -1: none
+  std::int32_t slot = -1;  // see SeenLandmark; -1: an earlier session's landmark, not seen in this one
+  std::int64_t object = kNobody;
+};
+
+// What tracking is told of an object: where it stands and what is believed of that.
+struct ObjectBelief {
+  std::int64_t object = -1;
+  ObjectPlace place;
+  Belief belief;
+  ClassKind kind = ClassKind::semi_static;
+  double k_inlier = 0.0, k_outlier = 3.0;  // of its class, see ObjectClass
+  bool gone = false;                       // it is not in the library any more
 };
 
 }  // namespace povslam

@@ -82,7 +82,7 @@ TEST(HotPath, NeitherAllocatesNorLocksOnceWarm) {
 
   EXPECT_EQ(tally.frames, kFrames);
   EXPECT_GT(sink.keyframes, 5);
-  EXPECT_GT((*app)->counters().backend_runs.load(), 2);
+  EXPECT_GT((*app)->counters().backend.runs.load(), 2);
   EXPECT_GT(tally.allocations_while_warming, 0u) << "the counter does not see the tracking thread";
   EXPECT_EQ(tally.counts.allocations, 0u) << "in " << tally.guilty_frames << " frames";
   EXPECT_EQ(tally.counts.maps, 0u);

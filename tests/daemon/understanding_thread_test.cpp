@@ -33,8 +33,8 @@ class UnderstandingThreadTest : public testing::Test {
   using Thread = BasicUnderstandingThread<FakeMind>;
 
   std::unique_ptr<Thread> start(ChangeWay<WorldChange>* changes = nullptr) {
-    return std::make_unique<Thread>(mind_,
-                                    UnderstandingLinks{bell_, views_, labels_, nullptr, owners_, reports_, changes});
+    return std::make_unique<Thread>(
+        mind_, UnderstandingLinks{bell_, views_, labels_, nullptr, owners_, beliefs_, reports_, changes});
   }
   // As tracking does: false when there is no room.
   bool hand_over(TimeNs stamp) {
@@ -62,6 +62,7 @@ class UnderstandingThreadTest : public testing::Test {
   ViewExchange views_{3, kCamera, 100, &bell_};
   LabelRing labels_{8, &bell_};
   OwnerRing owners_{64};
+  BeliefRing beliefs_{64};
   ReportRing reports_{256};
   FakeMind mind_;
   Heard heard_;
@@ -197,23 +198,29 @@ TEST_F(UnderstandingThreadTest, StoresWhatItPublishes) {
   EXPECT_EQ(MapStore::open(file, StoreMode::read_only)->load_world()->events.size(), 31u);
 }
 
-TEST(UnderstandingOutlet, KeepsEventsAndOwnersUntilThereIsRoom) {
+TEST(UnderstandingOutlet, KeepsEventsOwnersAndBeliefsUntilThereIsRoom) {
   ReportRing reports(2);
   OwnerRing owners(2);
-  UnderstandingOutlet outlet(reports, owners);
+  BeliefRing beliefs(2);
+  UnderstandingOutlet outlet(reports, owners, beliefs);
   std::vector<ObjectEvent> events(5);
   for (std::size_t i = 0; i < events.size(); ++i) events[i].seq = static_cast<std::int64_t>(i);
   const std::vector<LandmarkOwner> changed{{1, 0, 1}, {2, 0, 1}, {3, 0, 1}};
   outlet.add(std::span<const ObjectEvent>(events));
   outlet.add(std::span<const LandmarkOwner>(changed));
-  std::vector<std::int64_t> got, landmarks;
+  std::vector<ObjectBelief> told(3);
+  for (std::size_t i = 0; i < told.size(); ++i) told[i].object = static_cast<std::int64_t>(i);
+  outlet.add(std::span<const ObjectBelief>(told));
+  std::vector<std::int64_t> got, landmarks, objects;
   for (int i = 0; i < 3; ++i) {
     outlet.flush();
     while (const auto report = reports.try_pop()) got.push_back(std::get<ObjectEvent>(*report).seq);
     while (const auto owner = owners.try_pop()) landmarks.push_back(owner->landmark);
+    while (const auto belief = beliefs.try_pop()) objects.push_back(belief->object);
   }
   EXPECT_THAT(got, testing::ElementsAre(0, 1, 2, 3, 4));
   EXPECT_THAT(landmarks, testing::ElementsAre(1, 2, 3));
+  EXPECT_THAT(objects, testing::ElementsAre(0, 1, 2));
   EXPECT_EQ(outlet.unsent_events(), 0u);
 }
 

@@ -19,7 +19,7 @@ class SmoothingBeside {
     ++frame_;
     bool answered = false;
     while (!waiting_.empty() && waiting_.front().due <= frame_) {
-      std::visit([this](auto* problem) { asker_.give_back(problem); }, waiting_.front().job);
+      give_back(waiting_.front().job);
       waiting_.pop_front();
       ++answers_;
       answered = true;
@@ -37,6 +37,15 @@ class SmoothingBeside {
     BackendJob job;
     int due;
   };
+  void give_back(const BackendJob& job) {
+    if constexpr (requires { asker_.take_job(); }) {
+      asker_.give_back(job);
+    } else if (LoopProblem* const* loop = std::get_if<LoopProblem*>(&job)) {
+      asker_.give_back(*loop);
+    } else {
+      asker_.give_back(std::get<SmoothProblem*>(job));
+    }
+  }
   std::optional<BackendJob> next_job() {
     if constexpr (requires { asker_.take_job(); }) {
       return asker_.take_job();

@@ -18,7 +18,7 @@ struct ReplayArguments {
   std::string sequence, out, config, camera, frames, start, map;
   std::vector<std::string> overrides;
   bool realtime = false;
-  std::string mode = "static", poses = "estimated", labels = "auto";
+  std::string mode, poses = "estimated", labels = "auto";
 };
 
 constexpr int kFailure = 1;
@@ -44,6 +44,7 @@ Result<ReplaySettings> settings_from(const ReplayArguments& arguments) {
   if (!config) return config.error();
   ReplaySettings settings{std::move(*config), std::nullopt, arguments.map, {}};
   settings.config.pipeline.understanding.labels = arguments.labels;
+  if (!arguments.mode.empty()) settings.config.pipeline.mode = arguments.mode;
   if (arguments.poses == "groundtruth") {
     if (arguments.realtime) return Error{"--poses groundtruth: not together with --realtime"};
     Result<std::vector<StampedPose>> truth =
@@ -104,8 +105,11 @@ void add_replay(CLI::App& app, int& exit_code) {
       "\"x y z qx qy qz qw\": T_world_camera of the first frame; default: level at the origin, along +x");
   command->add_option("--map", arguments->map, "Map on disk to begin with and to go on writing to; made if missing");
   command->add_flag("--realtime", arguments->realtime, "Pace by the stamps in the daemon's threads; late frames drop");
-  command->add_option("--mode", arguments->mode, "static: every feature counts, no reasoning about objects")
-      ->check(CLI::IsMember({"static"}));
+  command
+      ->add_option(
+          "--mode", arguments->mode,
+          "pov: what is believed of objects decides what tracking hangs on; static: every feature counts alike")
+      ->check(CLI::IsMember({"pov", "static"}));
   command
       ->add_option(
           "--poses", arguments->poses,

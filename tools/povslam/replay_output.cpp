@@ -70,6 +70,14 @@ Json metrics_json(const ReplayRecord& record) {
                    {"closed", record.loops.closed},
                    {"joined", record.loops.joined},
                    {"refused", record.loops.refused}};
+  json["vem"] = {{"runs", record.vem.runs},
+                 {"em_iterations", record.vem.iterations},
+                 {"observations", record.vem.matches},
+                 {"landmarks", record.vem.landmarks},
+                 {"faults", record.vem.faults},
+                 {"doubted", record.vem.doubted},
+                 {"believed_again", record.vem.believed_again},
+                 {"corrections", record.vem.corrections}};
   json["wall_s"] = record.wall_s;
   json["cpu_s"] = record.cpu_s;
   json["tracking_cpu_s"] = record.tracking_cpu_s;

@@ -42,7 +42,8 @@ class Recorder {
   }
 
   void add_backend(const BackendJob& job, double ms) {
-    const Stage stage = std::holds_alternative<LoopProblem*>(job) ? Stage::close_loop : Stage::smooth;
+    Stage stage = std::holds_alternative<LoopProblem*>(job) ? Stage::close_loop : Stage::smooth;
+    if (std::holds_alternative<VemProblem*>(job)) stage = Stage::vem;
     record_.stages_ms[static_cast<std::size_t>(stage)].push_back(static_cast<float>(ms));
   }
 
@@ -69,6 +70,7 @@ class Recorder {
   // Corrected poses from where the keyframes are now; a frame whose keyframe is unknown keeps its published pose.
   void correct(const Pipeline& pipeline) {
     record_.loops = pipeline.loops();
+    record_.vem = pipeline.vem();
     record_.smoothed = record_.published;
     for (std::size_t i = 0; i < anchors_.size(); ++i) {
       const std::optional<Rigid3> T_world_keyframe = pipeline.keyframe_pose(anchors_[i].keyframe);
@@ -107,8 +109,9 @@ class SingleThread {
                ClassTable classes, OpenedStore* map)
       : backend_options_(settings.config.pipeline.backend),
         store_(map == nullptr ? nullptr : &map->store),
-        pipeline_(settings.config.pipeline, calibration, T_world_body, begun_with(map)),
+        pipeline_(pipeline_options(settings), calibration, T_world_body, begun_with(map)),
         answers_(settings.config.pipeline.backend.delay_frames),
+        windows_(settings.config.pipeline.window.delay_frames),
         true_poses_(settings.true_poses),
         view_period_(from_seconds(settings.config.pipeline.understanding.period_s)) {
     if (settings.config.pipeline.understanding.labels == "off") return;
@@ -119,6 +122,7 @@ class SingleThread {
   void track(const RgbdFrame& frame, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
     while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
+    while (const auto answer = windows_.pop(frame_)) pipeline_.give_back(*answer);
     const PoseEstimate& pose = pipeline_.localise(frame);
     recorder.add(pose, pipeline_.map_size());
     tracking_cpu_ += thread_cpu_now() - begun;
@@ -172,6 +176,7 @@ class SingleThread {
     while (const Understood* done = understanding_->step()) {
       recorder.add_understood(*done);
       pipeline_.take_owners(done->owners);
+      pipeline_.take_beliefs(done->beliefs);
     }
   }
 
@@ -179,7 +184,7 @@ class SingleThread {
     const TimeNs begun = thread_cpu_now();
     solve(job, backend_options_);
     recorder.add_backend(job, to_ms(thread_cpu_now() - begun));
-    answers_.push(frame_, job);
+    (std::holds_alternative<VemProblem*>(job) ? windows_ : answers_).push(frame_, job);
   }
 
   void store(MapChange* map, WorldChange* world) {
@@ -191,6 +196,12 @@ class SingleThread {
     if (world != nullptr) understanding_->give_back(world);
   }
 
+  // Objects that stand in the true world say nothing of where tracking's is.
+  static PipelineOptions pipeline_options(const ReplaySettings& settings) {
+    PipelineOptions options = settings.config.pipeline;
+    if (!settings.true_poses.empty()) options.mode = "static";
+    return options;
+  }
   static const MapContent* begun_with(const OpenedStore* map) {
     return map != nullptr && map->content.meta.next_keyframe > 0 ? &map->content : nullptr;
   }
@@ -199,7 +210,7 @@ class SingleThread {
   MapStore* store_;
   std::string store_failure_;
   Pipeline pipeline_;
-  DelayLine<BackendJob> answers_;
+  DelayLine<BackendJob> answers_, windows_;
   std::optional<Understanding> understanding_;
   View view_;
   TruePoses true_poses_;

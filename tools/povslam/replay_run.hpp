@@ -12,6 +12,7 @@
 #include "drivers/replay/trajectory_file.hpp"
 #include "pipeline/output.hpp"
 #include "pipeline/understanding.hpp"
+#include "pipeline/vem_exchange.hpp"
 
 namespace povslam {
 
@@ -22,9 +23,20 @@ struct ReplaySettings {
   std::vector<StampedPose> true_poses;         // T_world_camera in place of the tracked ones; empty: those
 };
 
-enum class Stage : std::uint8_t { features, track, keyframe, smooth, close_loop, segment, associate, integrate, total };
-inline constexpr std::array<const char*, 9> kStageNames = {"features", "track",     "keyframe",  "smooth", "close_loop",
-                                                           "segment",  "associate", "integrate", "total"};
+enum class Stage : std::uint8_t {
+  features,
+  track,
+  keyframe,
+  smooth,
+  close_loop,
+  vem,
+  segment,
+  associate,
+  integrate,
+  total
+};
+inline constexpr std::array<const char*, 10> kStageNames = {
+    "features", "track", "keyframe", "smooth", "close_loop", "vem", "segment", "associate", "integrate", "total"};
 
 struct MapAt {
   TimeNs stamp = 0;
@@ -40,6 +52,7 @@ struct ReplayRecord {
   std::array<std::int64_t, 6> drops{};                           // by DropReason
   double wall_s = 0.0, cpu_s = 0.0, tracking_cpu_s = 0.0, feeder_cpu_s = 0.0;
   LoopCounts loops;
+  VemCounts vem;
   std::vector<ObjectEvent> events;
   std::vector<ObjectRecord> objects;  // at the end
   LabelCounts labels;

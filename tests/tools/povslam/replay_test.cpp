@@ -155,7 +155,7 @@ TEST_F(Replay, TellsBadUsageFromFailure) {
   EXPECT_EQ(replay("a", {"--set", "orb.num_levels=99"}).exit_code, 2);
   EXPECT_EQ(replay("a", {"--start", "here"}).exit_code, 2);
   EXPECT_EQ(replay("a", {"--frames", "x"}).exit_code, 2);
-  EXPECT_THAT(replay("a", {"--mode", "pov"}).errors, testing::HasSubstr("--mode"));
+  EXPECT_THAT(replay("a", {"--mode", "mid"}).errors, testing::HasSubstr("--mode"));
   const Outcome missing = run({out("nothing").string(), "--out", out("a").string()});
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.errors, testing::HasSubstr("nothing"));
