@@ -24,13 +24,13 @@ struct Pipeline::Impl {
     if (const auto T_new_old = vem.apply(tracker.object_trust())) tracker.correct(*T_new_old);
   }
   // The frame tracked just now into the window.
-  void look(const TrackResult& track) {
+  void look(const RgbdFrame& frame, const TrackResult& track) {
     if (!pov) return;
     if (track.map_version != map_version) vem.map_moved();
     map_version = track.map_version;
     const bool tracked = track.state == TrackState::ok || track.state == TrackState::degraded;
     if (!tracked || track.num_landmarks == 0) return vem.forget();
-    vem.look(tracker.map(), tracker.local_map(), tracker.frame(), track.T_odom_camera);
+    vem.look(tracker.map(), tracker.local_map(), frame, tracker.frame(), track.T_odom_camera);
   }
 
   PoseEstimate estimate;
@@ -81,7 +81,7 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   out.keyframe = track.keyframe;
   out.reference_keyframe = track.reference_keyframe;
   out.T_reference_camera = track.T_reference_camera;
-  impl_->look(track);
+  impl_->look(frame, track);
   out.times = {ms(track.features_ns), ms(track.track_ns), ms(track.keyframe_ns), ms(thread_cpu_now() - start)};
   return out;
 }

@@ -14,6 +14,7 @@ VemExchange::VemExchange(const PinholeCamera& camera, const FrontendOptions& fro
     : camera_(camera),
       options_(options),
       match_variance_(options.match_sigma_m * options.match_sigma_m),
+      depth_noise_(frontend.noise.depth_sigma_quadratic_per_m),
       search_(camera, frontend),
       matcher_(frontend.orb.num_features),
       index_of_landmark_(static_cast<std::size_t>(frontend.map.max_landmarks), kNone),

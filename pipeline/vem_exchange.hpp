@@ -31,8 +31,9 @@ class VemExchange {
   // From Understanding.
   void know(const ObjectBelief& belief, ObjectTrust& trust);
 
-  // A frame was tracked: takes it into the window. T_odom_camera: continuous.
-  void look(const Map& map, const LocalMap& around, const Frame& frame, const Rigid3& T_odom_camera);
+  // A frame was tracked: takes it into the window. input: it as it came. T_odom_camera: continuous.
+  void look(const Map& map, const LocalMap& around, const RgbdFrame& input, const Frame& frame,
+            const Rigid3& T_odom_camera);
   void forget() { frames_.clear(), due_ = false; }  // no pose: no odometry either
 
   // The window up to the frame looked at last; null: none is due, it holds no object, or one is out.
@@ -54,7 +55,7 @@ class VemExchange {
     double consistency = 1.0;  // E[v] of the last window that held it, else as stored
     int streak = 0;            // windows that said the same: accepted > 0, rejected < 0
     bool doubted = false;
-    int expected = 0, found = 0;  // landmarks in the frame at hand
+    int standing = 0, missing = 0;  // landmarks in the frame at hand: something is where they are, nothing is
     double trust() const { return doubted ? 0.0 : consistency; }
   };
   struct Seen {
@@ -69,7 +70,9 @@ class VemExchange {
   };
 
   void see(const Map& map, const Frame& frame, int feature, std::int32_t landmark, WindowFrame& into);
-  void look_elsewhere(const Map& map, const LocalMap& around, const Frame& frame, WindowFrame& into);
+  void find_missing(const Map& map, const LocalMap& around, const RgbdFrame& input, const Frame& frame);
+  void look_elsewhere(const Map& map, const Frame& frame, WindowFrame& into);
+  void note_elsewhere(const Map& map, const Frame& frame, int feature, std::int32_t slot, const WindowFrame& into);
   void keep_agreeing(const Map& map, const Frame& frame, WindowFrame& into);
   void share_out(const Map& map, WindowFrame& frame);
   bool fill(const Map& map);
@@ -83,7 +86,7 @@ class VemExchange {
 
   PinholeCamera camera_;
   WindowOptions options_;
-  double match_variance_;
+  double match_variance_, depth_noise_;  // m^2; sigma_z = this * z^2
   LandmarkSearch search_;
   Matcher matcher_;
   std::unordered_map<std::int64_t, Known> known_;

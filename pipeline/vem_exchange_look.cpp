@@ -7,8 +7,9 @@
 namespace povslam {
 
 namespace {
-constexpr int kMinExpected = 10;        // landmarks of an object that lie in the image…
-constexpr double kMinFoundShare = 0.2;  // …of which so many are found, or it is looked for elsewhere
+constexpr int kMinMissing = 6;      // landmarks of an object through whose places the camera sees…
+constexpr double kMoreMissing = 2;  // …so many times those that are there, and it is looked for elsewhere
+constexpr double kMarginM = 0.1, kMarginSigmas = 3.0;  // of depth: clearly behind, clearly before
 constexpr double kMaxViewChangeCos = 0.45;
 constexpr double kAgreeM = 0.15;  // points of one thing that was shifted, and turned a little, moved alike within this…
 constexpr int kMinAgreeing = 6;  // …and are so many
@@ -27,7 +28,8 @@ void VemExchange::see(const Map& map, const Frame& frame, int feature, std::int3
   into.seen.push_back(seen);
 }
 
-void VemExchange::look(const Map& map, const LocalMap& around, const Frame& frame, const Rigid3& T_odom_camera) {
+void VemExchange::look(const Map& map, const LocalMap& around, const RgbdFrame& input, const Frame& frame,
+                       const Rigid3& T_odom_camera) {
   if (options_.every_frames == 0) return;
   if (last_taken_ >= 0 && frame.index - last_taken_ < options_.every_frames) return;
   last_taken_ = frame.index;
@@ -45,51 +47,73 @@ void VemExchange::look(const Map& map, const LocalMap& around, const Frame& fram
   next.T_odom_camera = T_odom_camera;
   for (int i = 0; i < frame.size(); ++i) {
     see(map, frame, i, frame.landmark[static_cast<std::size_t>(i)], next);
-    see(map, frame, i, frame.misfit[static_cast<std::size_t>(i)], next);
   }
-  look_elsewhere(map, around, frame, next);
+  find_missing(map, around, input, frame);
+  look_elsewhere(map, frame, next);
   share_out(map, next);
   frames_.push_back(std::move(next));
   due_ = true;
 }
 
-// Objects whose landmarks should be in the image and are not: the thing moved, or the camera is elsewhere.
-void VemExchange::look_elsewhere(const Map& map, const LocalMap& around, const Frame& frame, WindowFrame& into) {
-  for (auto& [id, known] : known_) known.expected = known.found = 0;
+// Landmarks of known objects that lie in the image and show in no feature, where the camera sees through their places.
+void VemExchange::find_missing(const Map& map, const LocalMap& around, const RgbdFrame& input, const Frame& frame) {
+  for (auto& [id, known] : known_) known.standing = known.missing = 0;
   wanted_.clear();
-  const Rigid3& T_world_camera = into.T_world_camera;
+  const Eigen::Vector3d p_world_camera = frame.T_camera_world.inverse().translation;
   for (const std::int32_t slot : around.landmarks()) {
     const Landmark& point = map.landmark(slot);
     const auto entry = point.alive && point.owner >= 0 ? known_.find(point.owner) : known_.end();
     if (entry == known_.end()) continue;
+    Known& known = entry->second;
+    if (found_at_[static_cast<std::size_t>(slot)] == frame_index_) {
+      ++known.standing;
+      continue;
+    }
     const Eigen::Vector3d p = frame.T_camera_world * point.p_world;
-    if (p.z() < 0.1) continue;
-    const Eigen::Vector2d pixel(camera_.fx * p.x() / p.z() + camera_.cx, camera_.fy * p.y() / p.z() + camera_.cy);
-    const Eigen::Vector3d toward = T_world_camera.translation - point.p_world;
-    if (!camera_.contains(pixel) || toward.dot(point.toward_camera) < kMaxViewChangeCos * toward.norm()) continue;
-    ++entry->second.expected;
-    const bool found = found_at_[static_cast<std::size_t>(slot)] == frame_index_;
-    entry->second.found += found ? 1 : 0;
-    if (!found && wanted_.size() < wanted_.capacity()) wanted_.push_back(slot);
+    const Eigen::Vector3d toward = p_world_camera - point.p_world;
+    if (p.z() < 0.1 || toward.dot(point.toward_camera) < kMaxViewChangeCos * toward.norm()) continue;
+    const auto pixel = camera_.project(p);
+    if (!pixel || !camera_.contains(*pixel)) continue;
+    const std::uint16_t reading =
+        input.depth.at(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
+    const double depth_m = static_cast<double>(reading) / static_cast<double>(input.depth_scale);
+    const double margin_m = kMarginM + kMarginSigmas * depth_noise_ * depth_m * depth_m;
+    if (reading == 0 || depth_m < p.z() - margin_m) continue;
+    ++(depth_m > p.z() + margin_m ? known.missing : known.standing);
+    if (wanted_.size() < wanted_.capacity()) wanted_.push_back(slot);
   }
+}
+
+// A thing that is not where it was may be near; if so, its look tells how it, or the camera, has moved.
+void VemExchange::look_elsewhere(const Map& map, const Frame& frame, WindowFrame& into) {
   std::erase_if(wanted_, [&](std::int32_t slot) {
     const Known& known = known_.find(map.landmark(slot).owner)->second;
-    return known.expected < kMinExpected || known.found > kMinFoundShare * known.expected;
+    return known.missing < kMinMissing || known.missing < kMoreMissing * known.standing;
   });
-  if (wanted_.empty()) return;
-  search_.match_wide(map, wanted_, frame, frame.T_camera_world, options_.reach_m, matcher_);
+  elsewhere_.clear();
+  for (int i = 0; i < frame.size(); ++i) {
+    const std::int32_t slot = frame.misfit[static_cast<std::size_t>(i)];
+    if (slot != kNone) note_elsewhere(map, frame, i, slot, into);
+  }
+  if (!wanted_.empty()) {
+    search_.match_wide(map, wanted_, frame, frame.T_camera_world, options_.reach_m, matcher_);
+    for (int i = 0; i < frame.size(); ++i) {
+      if (matcher_.tag_of(i) != kNone) note_elsewhere(map, frame, i, matcher_.tag_of(i), into);
+    }
+  }
   keep_agreeing(map, frame, into);
+}
+
+void VemExchange::note_elsewhere(const Map& map, const Frame& frame, int feature, std::int32_t slot,
+                                 const WindowFrame& into) {
+  const Landmark& point = map.landmark(slot);
+  if (!frame.has_depth(feature) || point.owner < 0) return;
+  elsewhere_.push_back(
+      {point.owner, slot, feature, into.T_world_camera * frame.point_camera(feature, camera_) - point.p_world});
 }
 
 // What looks alike by chance lies anywhere; the points of one thing moved together.
 void VemExchange::keep_agreeing(const Map& map, const Frame& frame, WindowFrame& into) {
-  elsewhere_.clear();
-  for (int i = 0; i < frame.size(); ++i) {
-    const std::int32_t slot = matcher_.tag_of(i);
-    if (slot == kNone || !frame.has_depth(i)) continue;
-    const Landmark& point = map.landmark(slot);
-    elsewhere_.push_back({point.owner, slot, i, into.T_world_camera * frame.point_camera(i, camera_) - point.p_world});
-  }
   for (const Elsewhere& one : elsewhere_) {
     const auto agrees = [&](const Elsewhere& other) {
       return other.object == one.object && (other.moved - one.moved).squaredNorm() < kAgreeM * kAgreeM;
