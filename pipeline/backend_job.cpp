@@ -1,5 +1,8 @@
 #include "pipeline/backend_job.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace povslam {
 
 void solve(const BackendJob& job, const BackendOptions& options) {
@@ -8,6 +11,11 @@ void solve(const BackendJob& job, const BackendOptions& options) {
   if (VemProblem* const* window = std::get_if<VemProblem*>(&job)) {
     VemOptions vem = options.vem;
     vem.belief = (*window)->belief;
+    // A frame's match counts as often as there are frames, where the map has the landmark only once: what moved would
+    // take its landmarks along.
+    const double share = 1.0 / std::sqrt(static_cast<double>(std::max<std::size_t>(1, (*window)->window.poses.size())));
+    vem.sigma_prior_m *= share;
+    vem.sigma_rigid_m *= share;
     (*window)->result = Vem(vem).solve((*window)->window);
   }
 }

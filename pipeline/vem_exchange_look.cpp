@@ -88,6 +88,7 @@ void VemExchange::find_missing(const Map& map, const LocalMap& around, const Rgb
 void VemExchange::look_elsewhere(const Map& map, const Frame& frame, WindowFrame& into) {
   std::erase_if(wanted_, [&](std::int32_t slot) {
     const Known& known = known_.find(map.landmark(slot).owner)->second;
+    if (known.doubted) return false;  // tracking does not look for it: whether it is back is to be seen here
     return known.missing < kMinMissing || known.missing < kMoreMissing * known.standing;
   });
   elsewhere_.clear();

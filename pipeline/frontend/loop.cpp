@@ -1,6 +1,7 @@
 #include "pipeline/frontend/loop.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace povslam {
 
@@ -15,7 +16,7 @@ constexpr double kNearlyAsGood = 0.5;
 // More than this tracking does not drift: what lies further off only looks the same.
 constexpr double kDriftBaseM = 0.3, kDriftShare = 0.05;
 constexpr std::int64_t kWayKeyframes = 2000;  // the way is followed back over so many
-// Nearer than this nothing needs to move.
+// Nearer than this, or than what the keyframes that recognised the place differ by, nothing needs to move.
 constexpr double kInPlaceM = 0.02, kInPlaceRad = 0.006;
 constexpr std::size_t kMaxToJoin = 12, kMaxToSmooth = 6;
 }  // namespace
@@ -32,10 +33,11 @@ void LoopCloser::look(Map& map, PlaceIndex& index, std::int32_t keyframe, std::i
   if (state_ != State::idle || !to_join_.empty()) return;
   const auto found = recognise(map, index, keyframe);
   if (!found) return;
-  suspicion_ = {};
+  const Suspicion said = std::exchange(suspicion_, {});
   const Rigid3 T_now_asked = map.keyframe(keyframe).T_world_camera.inverse() *
                              (map.keyframe(map.find_keyframe(found->then)).T_world_camera * found->T_then_now);
-  if (T_now_asked.translation.norm() < kInPlaceM && rotation_angle_rad(T_now_asked) < kInPlaceRad) {
+  if (T_now_asked.translation.norm() < std::max(kInPlaceM, said.spread_m) &&
+      rotation_angle_rad(T_now_asked) < std::max(kInPlaceRad, said.spread_rad)) {
     ++counts_.joined;
     begin_joining(map, *found);
   } else if (exchange_.cut(map, *found, frame_index, problem_)) {
@@ -109,7 +111,9 @@ bool LoopCloser::agrees(const Rigid3& T_world_old, const Rigid3& T_world_new) {
   const Rigid3 expected = suspicion_.T_new_old * T_world_old;
   const Rigid3 off = expected.inverse() * T_world_new;
   const bool same = suspicion_.agreeing > 0 && off.translation.norm() < kAgreeM && rotation_angle_rad(off) < kAgreeRad;
-  suspicion_ = {same ? suspicion_.agreeing + 1 : 1, 0, T_world_new * T_world_old.inverse()};
+  const double spread_m = same ? std::max(suspicion_.spread_m, off.translation.norm()) : 0.0;
+  const double spread_rad = same ? std::max(suspicion_.spread_rad, rotation_angle_rad(off)) : 0.0;
+  suspicion_ = {same ? suspicion_.agreeing + 1 : 1, 0, T_world_new * T_world_old.inverse(), spread_m, spread_rad};
   return suspicion_.agreeing >= kAgreeing;
 }
 

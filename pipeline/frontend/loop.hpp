@@ -42,7 +42,8 @@ class LoopCloser {
  private:
   struct Suspicion {  // what the last keyframes said
     int agreeing = 0, missed = 0;
-    Rigid3 T_new_old;  // how the world around us would have to move
+    Rigid3 T_new_old;                         // how the world around us would have to move
+    double spread_m = 0.0, spread_rad = 0.0;  // by how much they differ about it, at most
   };
   std::optional<LoopFound> recognise(Map& map, PlaceIndex& index, std::int32_t keyframe);
   void leave_out_connected(const Map& map, PlaceIndex& index, std::int32_t keyframe);

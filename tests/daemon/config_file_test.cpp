@@ -54,6 +54,16 @@ TEST(Config, PrintedDefaultsAreTheDefaults) {
   EXPECT_EQ(a.sensors[0].options.at("scene"), "aisle");
 }
 
+TEST(Config, AnEnumerationTakesItsNamesOnly) {
+  const auto config = parse_config(with("[vem]\nsolver = \"ceres\"\ngate = \"none\""), "robot.toml", {});
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->pipeline.backend.vem.solver, VemSolver::ceres);
+  EXPECT_EQ(config->pipeline.backend.vem.gate, VemGate::none);
+  EXPECT_EQ(config->pipeline.backend.vem.pool, VemOptions{}.pool);
+  EXPECT_THAT(complaint(with("[vem]\nsolver = \"dense\"")),
+              AllOf(HasSubstr("robot.toml:2"), HasSubstr("one of \"structured\", \"ceres\""), HasSubstr("dense")));
+}
+
 TEST(Config, EveryKeyRefusesEveryOtherTypeWithFileLineAndKey) {
   const std::vector<std::string> values = {"\"\"",   "\"nonsense\"", "nan",        "-1e300",         "1e300", "[]",
                                            "[1, 2]", "{}",           "1979-05-27", "99999999999999", "-5"};

@@ -197,4 +197,59 @@ TEST(Pipeline, StaysWithinItsBoundsOnALongDrive) {
   EXPECT_LT(ride.error.head<3>().norm(), 0.25);  // forgets, hence drifts
 }
 
+// Half of the landmarks a frame saw belonged to something that went.
+std::vector<LandmarkOwner> half_gone(Ride& ride) {
+  View view;
+  ride.pipeline.fill_view(ride.view.drive(ride.time_s - ride.view.period_s()), view);
+  std::vector<LandmarkOwner> owners;
+  for (std::size_t i = 0; i < view.landmarks.size(); i += 2) {
+    owners.push_back({view.landmarks[i].landmark, view.landmarks[i].slot, LandmarkOwner::kGone});
+  }
+  return owners;
+}
+
+TEST(Pipeline, ForgetsLandmarksOfWhatIsGoneAndGoesOn) {
+  Ride ride(1);
+  for (int i = 0; i < 20; ++i) ride.next();
+  const std::vector<LandmarkOwner> owners = half_gone(ride);
+  ASSERT_GT(owners.size(), 40u);
+  const int before = ride.pipeline.map_size().landmarks;
+  ride.pipeline.take_owners(owners);
+  EXPECT_EQ(ride.pipeline.map_size().landmarks, before - std::ssize(owners));
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(ride.next().state, TrackState::ok);
+    EXPECT_LT(ride.error.head<3>().norm(), 0.05);
+  }
+}
+
+TEST(Pipeline, KnowsNothingOfObjectsInStaticMode) {
+  PipelineOptions options = small_pipeline();
+  options.mode = "static";
+  Ride ride(1, options), same(1, options);
+  for (int i = 0; i < 20; ++i) ride.next(), same.next();
+  ride.pipeline.take_owners(half_gone(ride));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(numbers(ride.next()), numbers(same.next()));
+}
+
+// Every landmark is one object's, which is not believed any more: there is nothing left to hang on but the points of
+// the last frame.
+TEST(Pipeline, DoesNotHangOnWhatIsNotBelieved) {
+  Ride ride(1);
+  for (int i = 0; i < 20; ++i) ride.next();
+  View view;
+  ride.pipeline.fill_view(ride.view.drive(ride.time_s - ride.view.period_s()), view);
+  std::vector<LandmarkOwner> owners;
+  for (const SeenLandmark& seen : view.landmarks) owners.push_back({seen.landmark, seen.slot, 1});
+  ride.pipeline.take_owners(owners);
+  ObjectBelief belief;
+  belief.object = 1;
+  belief.belief.alpha = 1e-9;
+  ride.pipeline.take_beliefs(std::vector{belief});
+  const int before = ride.next().num_landmarks;
+  belief.gone = true;
+  Ride other(1);
+  for (int i = 0; i < 21; ++i) other.next();
+  EXPECT_LT(before, other.next().num_landmarks);
+}
+
 }  // namespace povslam
