@@ -6,6 +6,7 @@ namespace povslam {
 
 namespace {
 constexpr int kMinMatches = 8;  // of an object in the current frame, before it is judged
+constexpr double kOtherPlaceM = 0.2;
 constexpr double kInPlaceSigmas = 4.0, kFarMore = 1.5;
 }  // namespace
 
@@ -34,6 +35,8 @@ void VemExchange::know(const ObjectBelief& belief, ObjectTrust& trust) {
     return;
   }
   Known& known = known_[belief.object];
+  const bool elsewhere = (belief.place.position - known.belief.place.position).norm() > kOtherPlaceM;
+  if (elsewhere) known = {};  // what moved and was found again: what was said, was said of its old place
   known.belief = belief;
   known.consistency = belief.belief.expected_consistency();
   trust.set(belief.object, known.trust());

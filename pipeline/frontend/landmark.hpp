@@ -32,7 +32,7 @@ struct Landmark {
   std::int64_t id = -1;          // unique for ever within one map
   std::uint32_t generation = 0;  // of the slot
   std::int64_t born_keyframe = -1;
-  std::int64_t owner = -1;   // object it is part of; -1: none, or not known
+  std::int64_t owner = -1;   // object it is part of (> 0); 0: structure; -1: not known
   std::int32_t anchor = -1;  // keyframe slot it moves with when that is corrected
   std::int32_t visible = 0;  // frames in which it should have been seen…
   std::int32_t found = 0;    // …and was

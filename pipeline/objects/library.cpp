@@ -366,7 +366,7 @@ void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, 
     const std::uint16_t pixel = view.owner.at(x, y);
     const auto object = object_of_owner_.find(pixel);
     if (pixel == kNobody || (pixel >= kFirstInstance && object == object_of_owner_.end())) continue;
-    const std::int64_t id = pixel == kStructure ? -1 : object->second;
+    const std::int64_t id = pixel == kStructure ? LandmarkOwner::kStructure : object->second;
     const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, Owned{-1, seen.slot});
     if (entry->second.object == id && entry->second.slot == seen.slot) continue;
     entry->second.slot = seen.slot;

@@ -36,6 +36,31 @@ TEST(VerifyPlace, FindsAMadePlaceAndSaysWhichFeaturesShowWhat) {
   }
 }
 
+// A box that was carried looks as if the camera had been.
+TEST(VerifyPlace, DoesNotBelieveOneThingAlone) {
+  made::Places made;
+  const auto points = made::cloud(kPoints, 1);
+  const auto looks = made::looks(kPoints, 2);
+  made.add_place(points, looks, kHere);
+  const made::View view = made.look(points, looks, kBetween);
+  const auto own = [&made](auto owner_of) {
+    for (std::int32_t slot = 0; slot < made.map.landmark_slots(); ++slot) {
+      if (made.map.landmark(slot).alive) made.map.landmark(slot).owner = owner_of(slot);
+    }
+  };
+  const auto verdict = [&] { return made.ask(view.frame).verdict; };
+  own([](std::int32_t) { return std::int64_t{7}; });
+  EXPECT_NE(verdict(), Verdict::found);
+  own([](std::int32_t slot) { return slot % 20 == 0 ? std::int64_t{9} : std::int64_t{7}; });
+  EXPECT_NE(verdict(), Verdict::found);  // a few that may have been told wrongly
+  own([](std::int32_t slot) { return slot % 3 == 0 ? std::int64_t{9} : std::int64_t{7}; });
+  EXPECT_EQ(verdict(), Verdict::found);  // two things
+  own([](std::int32_t slot) { return slot % 3 == 0 ? std::int64_t{0} : std::int64_t{7}; });
+  EXPECT_EQ(verdict(), Verdict::found);  // a thing and a wall
+  own([](std::int32_t slot) { return slot % 3 == 0 ? std::int64_t{7} : std::int64_t{-1}; });
+  EXPECT_EQ(verdict(), Verdict::found);  // hardly anything is known
+}
+
 TEST(VerifyPlace, SeesAKeyframeAsItSeesAFrame) {
   made::Places made;
   const auto points = made::cloud(kPoints, 1);
