@@ -7,6 +7,7 @@
 #include "daemon/label_sources.hpp"
 #include "daemon/understanding_thread.hpp"
 #include "drivers/driver.hpp"
+#include "pipeline/pipeline.hpp"
 
 namespace povslam {
 
@@ -15,6 +16,7 @@ class UnderstandingUnit {
   struct Links {
     Doorbell& bell;  // rung when a stored change comes back; all outlive the unit
     ReportRing& reports;
+    Pipeline& pipeline;  // told of an earlier session's objects before its first frame
     ChangeWay<WorldChange>* changes = nullptr;  // to the disk; null: nobody stores
   };
 

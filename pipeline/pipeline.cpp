@@ -158,6 +158,14 @@ void Pipeline::take_beliefs(std::span<const ObjectBelief> beliefs) {
   for (const ObjectBelief& belief : beliefs) impl_->vem.know(belief, impl_->tracker.object_trust());
 }
 
+void Pipeline::take_restored(const Understanding& understanding) {
+  std::vector<LandmarkOwner> owners;
+  std::vector<ObjectBelief> beliefs;
+  understanding.tell_restored(owners, beliefs);
+  take_owners(owners);
+  take_beliefs(beliefs);
+}
+
 std::optional<Rigid3> Pipeline::keyframe_pose(std::int64_t keyframe) const {
   return impl_->tracker.map().keyframe_pose(keyframe);
 }

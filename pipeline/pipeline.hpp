@@ -18,6 +18,7 @@
 #include "pipeline/objects/view.hpp"
 #include "pipeline/options.hpp"
 #include "pipeline/output.hpp"
+#include "pipeline/understanding.hpp"
 #include "pipeline/vem_exchange.hpp"
 
 namespace povslam {
@@ -54,6 +55,7 @@ class Pipeline {
   // localise().
   void take_owners(std::span<const LandmarkOwner> owners);
   void take_beliefs(std::span<const ObjectBelief> beliefs);
+  void take_restored(const Understanding& understanding);  // both, of an earlier session, before the first frame
 
   // Present pose of a keyframe named by a PoseEstimate (also of one merged away since), T_world_camera.
   std::optional<Rigid3> keyframe_pose(std::int64_t keyframe) const;

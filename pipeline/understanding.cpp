@@ -55,7 +55,6 @@ struct Understanding::Impl {
       empty.restore({cell.x, cell.y, cell.z, {cell.first, cell.last, cell.times}});
     }
     journal.assume_told(content, library, structure);
-    restored = true;
     list_objects();
   }
 
@@ -85,9 +84,6 @@ struct Understanding::Impl {
     const TimeNs start = thread_cpu_now();
     done = {};
     done.stamp = newest_view = view.stamp();
-    std::vector<LandmarkOwner> owners;
-    std::vector<ObjectBelief> beliefs;
-    if (std::exchange(restored, false)) library.tell_restored(owners, beliefs);
     builder.build(view.frame, view.T_world_camera, seen);
     const Extraction* extraction = extract(labels);
     const TimeNs segmented = thread_cpu_now();
@@ -99,15 +95,12 @@ struct Understanding::Impl {
       library.claim_landmarks(view.landmarks, seen, step);
       journal.note(step.events);
       done.events = std::move(step.events);
-      const std::vector<ObjectBelief> changed = library.beliefs(step);
-      beliefs.insert(beliefs.end(), changed.begin(), changed.end());
-      owners.insert(owners.end(), step.owners.begin(), step.owners.end());
+      done.beliefs = library.beliefs(step);
+      done.owners = std::move(step.owners);
       associated = thread_cpu_now();
       integrate(structure, seen, kStructure, Rigid3{}, options.integrate);
       empty.observe(seen);
     }
-    done.owners = std::move(owners);
-    done.beliefs = std::move(beliefs);
     const TimeNs end = thread_cpu_now();
     done.times = {ms(segmented - start), ms(associated - segmented), ms(end - associated), ms(end - start)};
     list_objects();
@@ -137,7 +130,7 @@ struct Understanding::Impl {
   std::vector<ObjectRecord> records;
   WorldJournal journal;
   WorldChange change;
-  bool change_out = false, restored = false;
+  bool change_out = false;
   TimeNs newest_view = 0, last_change = 0;
 };
 
@@ -147,6 +140,10 @@ Understanding::Understanding(const UnderstandingOptions& options, const SensorCa
   if (content != nullptr) impl_->restore(*content);
 }
 Understanding::~Understanding() = default;
+
+void Understanding::tell_restored(std::vector<LandmarkOwner>& owners, std::vector<ObjectBelief>& beliefs) const {
+  impl_->library.tell_restored(owners, beliefs);
+}
 
 void Understanding::add(View&& view) {
   impl_->join.add(std::move(view));

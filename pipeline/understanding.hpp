@@ -42,6 +42,9 @@ class Understanding {
                 const WorldContent* content = nullptr);
   ~Understanding();
 
+  // Of an earlier session, for the pipeline before its first frame: whose landmarks are whose, what is believed of all.
+  void tell_restored(std::vector<LandmarkOwner>& owners, std::vector<ObjectBelief>& beliefs) const;
+
   void add(View&& view);  // the view is left with buffers of an earlier one, for reuse
   void add(const LabelFrame& labels);
 

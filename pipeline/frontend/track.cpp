@@ -360,7 +360,16 @@ bool Tracker::moved_possibly() const {
 }
 
 bool Tracker::found_at_start() {
-  return start_tries_ > 0 && --start_tries_ >= 0 && confirm(T_world_camera_start_.inverse());
+  return start_tries_ > 0 && --start_tries_ >= 0 && confirm(T_world_camera_start_.inverse()) && !hangs_on_one_thing();
+}
+
+bool Tracker::hangs_on_one_thing() {
+  things_.clear();
+  for (int i = 0; i < frame_.size(); ++i) {
+    const std::int32_t seen = frame_.landmark[static_cast<std::size_t>(i)];
+    if (seen != kNone) things_.add(map_.landmark(seen).owner);
+  }
+  return things_.hangs_on_one();
 }
 
 bool Tracker::found_anywhere() {

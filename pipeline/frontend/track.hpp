@@ -21,6 +21,7 @@
 #include "pipeline/frontend/relocalise.hpp"
 #include "pipeline/frontend/smooth_exchange.hpp"
 #include "pipeline/frontend/solve_pose.hpp"
+#include "pipeline/frontend/thing_count.hpp"
 #include "pipeline/frontend/track_state.hpp"
 #include "pipeline/frontend/turn_prior.hpp"
 
@@ -91,6 +92,7 @@ class Tracker {
   bool found_at_start();
   bool found_anywhere();
   bool confirm(const Rigid3& T_camera_world);
+  bool hangs_on_one_thing();
   bool moved_possibly() const;
   void hold_pose();
   void update_state(bool tracked);
@@ -122,6 +124,7 @@ class Tracker {
   MapPlaces places_;
   LoopCloser loops_;
   std::unordered_map<std::int64_t, std::int32_t> restored_landmarks_;  // id -> slot, of an earlier session
+  ThingCount things_{256};                                             // in a frame
   Agreement agreement_;                                                // of what frames say while lost
   Frame frame_, last_;
   std::vector<PoseObservation> observations_;

@@ -27,10 +27,8 @@ constexpr int kMinCells = 6;
 constexpr double kMinThinnest = 0.03;
 constexpr double kRivalShare = 0.2;  // of the inliers; where nothing repeats and nothing moved it is 0
 constexpr double kSameM = 0.3, kSameRad = 5.0 * 3.14159265358979 / 180.0;
-constexpr double kMostShare = 0.5;  // of the inliers on one object: it says where the camera is, alone, unless…
-constexpr double kMinOfOthers = 15.0, kOthersShare = 0.2;  // …so many, and such a share of its own, are on others
-constexpr int kManyInCell = 8;                             // landmarks expected
-constexpr int kFewInCell = 4;  // features: with fewer the view shows nothing there that would tell
+constexpr int kManyInCell = 8;  // landmarks expected
+constexpr int kFewInCell = 4;   // features: with fewer the view shows nothing there that would tell
 }  // namespace
 
 bool same_pose(const Rigid3& a, const Rigid3& b) {
@@ -38,19 +36,12 @@ bool same_pose(const Rigid3& a, const Rigid3& b) {
   return T_camera_a_camera_b.translation.norm() <= kSameM && rotation_angle_rad(T_camera_a_camera_b) <= kSameRad;
 }
 
-namespace {
-bool hangs_on_one_thing(const PlaceFit& fit) {
-  return fit.num_of_one > kMostShare * fit.num_inliers &&
-         fit.num_of_others < std::max(kMinOfOthers, kOthersShare * fit.num_of_one);
-}
-}  // namespace
-
 bool believable(const PlaceFit& fit) {
   return fit.num_inliers >= kMinInliers && fit.share() >= kMinShare &&
          fit.num_inliers * fit.possible_share() >= kMinStrength && fit.possible_share() >= kMinPossibleShare &&
          fit.num_missed_cells <= kMaxMissed * fit.num_expected_cells &&
          fit.num_contradicted <= kMaxContradicted * fit.num_inliers && fit.num_cells >= kMinCells &&
-         fit.thinnest >= kMinThinnest && fit.num_rival <= kRivalShare * fit.num_inliers && !hangs_on_one_thing(fit);
+         fit.thinnest >= kMinThinnest && fit.num_rival <= kRivalShare * fit.num_inliers && !fit.on_one_thing;
 }
 
 PlaceVerifier::PlaceVerifier(const PinholeCamera& camera, const FrontendOptions& options)
@@ -59,6 +50,7 @@ PlaceVerifier::PlaceVerifier(const PinholeCamera& camera, const FrontendOptions&
       num_levels_(options.orb.num_levels),
       looks_(options),
       ransac_(camera, LookMatcher::kMaxMatched),
+      things_(static_cast<std::size_t>(options.orb.num_features)),
       grid_(options.orb.num_features, -0.25F * static_cast<float>(camera.width),
             -0.25F * static_cast<float>(camera.height), 1.25F * static_cast<float>(camera.width),
             1.25F * static_cast<float>(camera.height)) {
@@ -67,7 +59,6 @@ PlaceVerifier::PlaceVerifier(const PinholeCamera& camera, const FrontendOptions&
   taken_by_.resize(features);
   taken_distance_.resize(features);
   expected_.reserve(LookMatcher::kMaxLandmarks);
-  things_.reserve(features);
   observations_.reserve(std::max(features, LookMatcher::kMaxMatched));
   observed_.reserve(features);
   pairs_.reserve(features);
@@ -130,7 +121,9 @@ PlaceFit PlaceVerifier::search_guided(const Map& map, const FeatureView& view, c
   }
   count(map, view, fit);
   describe_spread(view, fit);
-  count_things(map, fit);
+  things_.clear();
+  for (const Pair& pair : pairs_) things_.add(map.landmark(pair.landmark).owner);
+  fit.on_one_thing = things_.hangs_on_one();
   return fit;
 }
 
@@ -274,26 +267,6 @@ void PlaceVerifier::describe_spread(const FeatureView& view, PlaceFit& fit) cons
   const double half_trace = 0.5 * C.trace();
   const double root = std::sqrt(std::max(0.0, half_trace * half_trace - C.determinant()));
   fit.thinnest = std::sqrt(std::max(0.0, half_trace - root)) / camera_.width;
-}
-
-void PlaceVerifier::count_things(const Map& map, PlaceFit& fit) {
-  things_.clear();
-  int known = 0;
-  for (const Pair& pair : pairs_) {
-    const std::int64_t owner = map.landmark(pair.landmark).owner;
-    if (owner < 0) continue;
-    ++known;
-    if (owner == 0) continue;
-    const auto thing = std::ranges::find(things_, owner, &Thing::id);
-    if (thing == things_.end()) {
-      things_.push_back({owner, 1});
-    } else {
-      ++thing->inliers;
-    }
-  }
-  fit.num_of_one = 0;
-  for (const Thing& thing : things_) fit.num_of_one = std::max(fit.num_of_one, thing.inliers);
-  fit.num_of_others = known - fit.num_of_one;
 }
 
 // Repeated structure gives looks that fit another pose as well: what is left over without those that fit this one, and

@@ -17,6 +17,7 @@
 #include "pipeline/frontend/look_matcher.hpp"
 #include "pipeline/frontend/map.hpp"
 #include "pipeline/frontend/pose_ransac.hpp"
+#include "pipeline/frontend/thing_count.hpp"
 
 namespace povslam {
 
@@ -33,8 +34,7 @@ struct PlaceFit {
   int num_expected_cells = 0;  // that should: several landmarks are expected there…
   int num_missed_cells = 0;    // …and of these, that hold none
   double thinnest = 0.0;       // standard deviation of the inliers along their short axis, in widths of the image
-  int num_of_one = 0;          // inliers on the one object that has most of them…
-  int num_of_others = 0;       // …and on other objects and structure, of those known to be
+  bool on_one_thing = false;   // see ThingCount
   int num_rival = 0;           // inliers of another pose (see same_pose) at this place, 0: none
   double share() const { return num_expected > 0 ? static_cast<double>(num_inliers) / num_expected : 0.0; }
   double possible_share() const { return num_possible > 0 ? static_cast<double>(num_inliers) / num_possible : 0.0; }
@@ -82,7 +82,6 @@ class PlaceVerifier {
   Cells count_features(const FeatureView& view) const;
   std::size_t cell_of(float x_px, float y_px) const;
   void describe_spread(const FeatureView& view, PlaceFit& fit) const;
-  void count_things(const Map& map, PlaceFit& fit);
   PoseObservation observe(const Map& map, const FeatureView& view, std::size_t feature, std::int32_t landmark) const;
   int rival_of(const Map& map, const FeatureView& view, const PlaceFit& fit);
 
@@ -91,17 +90,13 @@ class PlaceVerifier {
   int num_levels_;
   LookMatcher looks_;
   PoseRansac ransac_;
+  ThingCount things_;
   FeatureGrid grid_;  // of the view
   std::int64_t mark_ = 0;
   std::vector<std::int64_t> marked_;    // by landmark slot
   std::vector<std::int32_t> taken_by_;  // by feature: what shows there, and how closely
   std::vector<int> taken_distance_;
   std::vector<Expected> expected_;
-  struct Thing {
-    std::int64_t id;
-    int inliers;
-  };
-  std::vector<Thing> things_;
   std::vector<PoseObservation> observations_;
   std::vector<Pair> observed_;  // of each observation
   std::vector<Pair> pairs_, rival_pairs_;

@@ -117,6 +117,7 @@ class SingleThread {
     if (settings.config.pipeline.understanding.labels == "off") return;
     understanding_.emplace(settings.config.pipeline.understanding, calibration, std::move(classes),
                            map == nullptr ? nullptr : &map->world);
+    pipeline_.take_restored(*understanding_);
   }
 
   void track(const RgbdFrame& frame, Recorder& recorder) {
