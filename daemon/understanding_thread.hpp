@@ -66,6 +66,7 @@ class BasicUnderstandingThread {
   void take_stored();
   void note(const Understood& done);
   void report(float total_ms);
+  void note_naming();
   void hand_out_change();
 
   Mind& mind_;
@@ -145,9 +146,20 @@ void BasicUnderstandingThread<Mind>::report(float total_ms) {
   }
   news_.objects = static_cast<int>(objects.objects.size());
   news_.labels = mind_.labels();
+  note_naming();
   news_.total_ms = total_ms;
   outlet_.send(news_);
   outlet_.send(std::move(objects));
+}
+
+template <class Mind>
+void BasicUnderstandingThread<Mind>::note_naming() {
+  const bool worked = news_.naming.failed == 0;
+  news_.naming = mind_.naming();
+  if (worked && news_.naming.failed > 0) {
+    log::warn("labels: the network that names things failed, first with: {}; they go on without names",
+              mind_.naming_error());
+  }
 }
 
 // An event does not wait for the period of changes.

@@ -21,6 +21,7 @@ struct UnderstandingNews {
   int objects = 0;          // that stand
   float total_ms = -1.0F;   // of this view; < 0: it was none
   LabelCounts labels;
+  NamingCounts naming;
 };
 
 using WorldReport = std::variant<ObjectEvent, ObjectSnapshot, UnderstandingNews>;

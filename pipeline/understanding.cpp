@@ -18,14 +18,15 @@ float ms(TimeNs span) {
   return static_cast<float>(to_ms(span));
 }
 
-// Segments have no class but that of things.
-ClassTable classes_for(const UnderstandingOptions& options, ClassTable classes) {
-  return options.labels == "geometric" ? geometric_classes() : std::move(classes);
+// Segments have no class but that of things, or what they may be named.
+ClassTable classes_for(const UnderstandingOptions& options, ClassTable classes, const SegmentNamer* namer) {
+  if (namer != nullptr) return with_unnamed_things(namer->classes());
+  return by_geometry(options) ? geometric_classes() : std::move(classes);
 }
 
 LabelJoinOptions join_options(const UnderstandingOptions& options, const SensorCalibration& calibration) {
   LabelJoinOptions join;
-  join.max_latency_s = options.labels == "geometric" ? 0.0 : options.label_max_latency_s;
+  join.max_latency_s = by_geometry(options) ? 0.0 : options.label_max_latency_s;
   join.period_s = 1.0 / calibration.fps;
   join.width = calibration.camera.width;
   join.height = calibration.camera.height;
@@ -35,14 +36,17 @@ LabelJoinOptions join_options(const UnderstandingOptions& options, const SensorC
 }  // namespace
 
 struct Understanding::Impl {
-  Impl(const UnderstandingOptions& its_options, const SensorCalibration& calibration, ClassTable classes)
+  Impl(const UnderstandingOptions& its_options, const SensorCalibration& calibration, ClassTable classes,
+       std::unique_ptr<SegmentNamer> its_namer)
       : options(its_options),
         builder(calibration.camera, options.view),
         segmenter(calibration.camera, options.segment),
+        namer(std::move(its_namer)),
         extractor(options.objects.extract, options.integrate.depth_sigma_quadratic_per_m),
         structure(options.structure),
         empty(options.empty),
-        library(options.objects, options.object, options.integrate, classes_for(options, std::move(classes))),
+        library(options.objects, options.object, options.integrate,
+                classes_for(options, std::move(classes), namer.get())),
         join(join_options(options, calibration), library.classes()) {}
 
   void restore(const WorldContent& content) {
@@ -67,17 +71,23 @@ struct Understanding::Impl {
     return change_out ? &change : nullptr;
   }
 
-  bool geometric() const { return options.labels == "geometric"; }
-
   const Extraction* extract(const LabelFrame* labels) {
     if (labels != nullptr) {
       builder.rectify_labels(*labels, class_image);
       return &extractor.from_classes(class_image, library.classes(), seen);
     }
-    if (!geometric()) return nullptr;
-    const std::vector<Segment>& segments = segmenter.segment(seen, instances);
-    const std::vector<std::uint16_t> class_of(segments.size(), kGeometricObject);
-    return &extractor.from_instances(instances, class_of, seen);
+    if (!by_geometry(options)) return nullptr;
+    const std::size_t count = segmenter.segment(seen, instances).size();
+    if (namer == nullptr) {
+      class_of.assign(count, {});
+      return &extractor.from_instances(instances, class_of, seen);
+    }
+    const TimeNs start = thread_cpu_now();
+    const std::int64_t asked = namer->counts().asked;
+    const std::vector<SegmentClass>& names = namer->name(seen, instances, count);
+    done.times.name_ms = ms(thread_cpu_now() - start);
+    done.times.asked = namer->counts().asked != asked;
+    return &extractor.from_instances(instances, names, seen);
   }
 
   void understand(const View& view, const LabelFrame* labels) {
@@ -100,7 +110,10 @@ struct Understanding::Impl {
       empty.observe(seen);
     }
     const TimeNs end = thread_cpu_now();
-    done.times = {ms(segmented - start), ms(associated - segmented), ms(end - associated), ms(end - start)};
+    done.times.segment_ms = ms(segmented - start) - done.times.name_ms;
+    done.times.associate_ms = ms(associated - segmented);
+    done.times.integrate_ms = ms(end - associated);
+    done.times.total_ms = ms(end - start);
     list_objects();
   }
 
@@ -114,6 +127,7 @@ struct Understanding::Impl {
   UnderstandingOptions options;
   DepthViewBuilder builder;
   Segmenter segmenter;
+  std::unique_ptr<SegmentNamer> namer;  // null: segments stay without names
   Extractor extractor;
   Volume structure;
   EmptySpace empty;
@@ -122,6 +136,7 @@ struct Understanding::Impl {
   DepthView seen;
   ImageU8 class_image;
   ImageU16 instances;
+  std::vector<SegmentClass> class_of;
   LibraryStep step;
   LabelJoin join;
   Understood done;
@@ -133,8 +148,9 @@ struct Understanding::Impl {
 };
 
 Understanding::Understanding(const UnderstandingOptions& options, const SensorCalibration& calibration,
-                             ClassTable classes, const WorldContent* content)
-    : impl_(std::make_unique<Impl>(options, calibration, std::move(classes))) {
+                             ClassTable classes, const WorldContent* content, std::unique_ptr<SegmentNamer> namer)
+    : impl_(std::make_unique<Impl>(options, calibration, std::move(classes), std::move(namer))) {
+  EXPECTS((options.labels == "dnn") == (impl_->namer != nullptr));
   if (content != nullptr) impl_->restore(*content);
 }
 Understanding::~Understanding() = default;
@@ -171,6 +187,13 @@ const std::vector<ObjectRecord>& Understanding::objects() const {
 }
 const LabelCounts& Understanding::labels() const {
   return impl_->join.counts();
+}
+
+NamingCounts Understanding::naming() const {
+  return impl_->namer == nullptr ? NamingCounts{} : impl_->namer->counts();
+}
+std::string Understanding::naming_error() const {
+  return impl_->namer == nullptr ? std::string() : impl_->namer->last_error();
 }
 
 void Understanding::mesh(Mesh& mesh) {

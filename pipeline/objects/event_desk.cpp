@@ -68,7 +68,7 @@ ObjectEvent EventDesk::make(ObjectEventType type, const PlaceChange& change, Tim
 
 // A turned box has its two horizontal extents in either order.
 bool EventDesk::alike(const PlaceChange& gone, const PlaceChange& came) const {
-  if (gone.class_name != came.class_name) return false;
+  if (gone.named && came.named && gone.class_name != came.class_name) return false;
   const Eigen::Vector3d &a = gone.size_m, &b = came.size_m;
   const auto same = [this](double p, double q) { return alike_extent(p, q, options_); };
   return same(a.z(), b.z()) &&
@@ -103,6 +103,7 @@ void EventDesk::pair_with_gone(std::vector<PlaceChange>& things, bool noticed, T
     }
     ObjectEvent event = make(ObjectEventType::moved, *to, now);
     event.object = from->object;
+    if (!to->named) event.class_name = from->class_name;
     event.from = from->place;
     event.probability = from->probability * to->probability;
     if (from->evidence.first_absent) event.evidence.first_absent = from->evidence.first_absent;

@@ -12,6 +12,7 @@ namespace povslam {
 struct PlaceChange {  // a thing went from a place, or came to one
   std::int64_t object = -1;
   std::string class_name;
+  bool named = true;  // false: the class says nothing; it may be of any other
   ObjectPlace place;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   double consistency = 0.0;

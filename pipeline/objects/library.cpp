@@ -65,7 +65,7 @@ ObjectLibrary::ObjectLibrary(const ObjectOptions& options, const VolumeOptions& 
 
 const ObjectClass& ObjectLibrary::class_of(const MapObject& object) const {
   const ObjectClass* row = classes_.find(object.class_id());
-  return row == nullptr ? unknown_class_ : *row;
+  return row == nullptr || row->id == unknown_class_.id ? unknown_class_ : *row;
 }
 
 std::vector<MapObject*> ObjectLibrary::in_reach(const DepthView& view) const {
@@ -121,7 +121,7 @@ bool ObjectLibrary::contradicted(const SurfaceLook& look, const MapObject& objec
 void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
                          const SurfaceLook& look) {
   const Observation& first = extraction.observations[static_cast<std::size_t>(match.observations[0])];
-  ++object.class_votes[first.class_id];
+  object.class_votes[first.class_id] += first.votes;
   if (match.known_surface) {
     BeliefOptions belief = options_.belief;
     double noise = 0.0;
@@ -163,7 +163,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   const double extent = observation.box.size_m.maxCoeff();
   if (extent < object_class.min_extent_m || extent > object_class.max_extent_m) return;
   auto object = std::make_unique<MapObject>(next_id_++, volume_options_);
-  object->class_votes[observation.class_id] = 1;
+  object->class_votes[observation.class_id] = observation.votes;
   object->belief = initial_belief(object_class, options_.belief);
   object->T_world_volume = upright(observation.box.center, observation.box.yaw);
   object->first_seen = object->last_seen = view.stamp;
@@ -182,7 +182,7 @@ bool ObjectLibrary::inside_known(const Observation& observation, const std::vect
   constexpr double kGrow_m = 0.05;
   for (const MapObject* object : reach) {
     if (object->phase != ObjectPhase::confirmed || object->first_absent) continue;
-    if (object->class_id() != observation.class_id) continue;
+    if (observation.class_binds && object->class_id() != observation.class_id) continue;
     const Box box = object->box_world();
     std::size_t inside = 0;
     for (const Eigen::Vector3f& p : observation.points_world) inside += box.contains(p.cast<double>(), kGrow_m) ? 1 : 0;
@@ -223,6 +223,7 @@ double ObjectLibrary::share_that_came(const MapObject& object, const EmptySpace&
 
 void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
   if (object.phase != ObjectPhase::tentative || object.observations < options_.life.confirm_views) return;
+  if (!makes_objects(class_of(object).kind)) return;  // named so after it was begun
   if (std::ssize(object.surface) < options_.extract.min_points) return;
   object.phase = ObjectPhase::confirmed;
   Evidence evidence;
@@ -288,10 +289,11 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     const bool tentative = object->phase == ObjectPhase::tentative;
     const bool forgotten = tentative && now - object->last_seen > from_seconds(options_.life.forget_tentative_s);
     const bool unbelieved = object->belief.expected_consistency() < options_.belief.remove_below;
-    if (!forgotten && !unbelieved) continue;
+    const bool no_object = !tentative && !makes_objects(class_of(*object).kind);
+    if (!forgotten && !unbelieved && !no_object) continue;
     dropped.push_back(object->id);
     desk_.withdraw(object->id);
-    if (tentative || !object->last_absent) continue;
+    if (tentative || no_object || !object->last_absent) continue;
     PlaceChange change = change_of(*object, now);
     change.probability = 1.0 - object->belief.expected_consistency();
     change.evidence.first_absent = object->first_absent;
@@ -335,6 +337,7 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   const Box box = object.box_world();
   change.object = object.id;
   change.class_name = class_of(object).name;
+  change.named = object.class_id() != kUnnamedThing;
   change.place = {box.center, box.yaw};
   change.size_m = box.size_m;
   change.consistency = object.belief.expected_consistency();

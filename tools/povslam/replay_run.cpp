@@ -5,6 +5,7 @@
 
 #include "daemon/app.hpp"
 #include "daemon/config_file_classes.hpp"
+#include "daemon/config_file_network.hpp"
 #include "daemon/stop_signal.hpp"
 #include "daemon/store.hpp"
 #include "pipeline/base/log.hpp"
@@ -52,6 +53,7 @@ class Recorder {
   void add_understood(const Understood& done) {
     const auto stage = [this](Stage s, float ms) { record_.stages_ms[static_cast<std::size_t>(s)].push_back(ms); };
     stage(Stage::segment, done.times.segment_ms);
+    if (done.times.asked) stage(Stage::name, done.times.name_ms);
     stage(Stage::associate, done.times.associate_ms);
     stage(Stage::integrate, done.times.integrate_ms);
     add_events(done);
@@ -63,6 +65,8 @@ class Recorder {
   void add_world(Understanding& understanding) {
     record_.objects = understanding.objects();
     record_.labels = understanding.labels();
+    record_.naming = understanding.naming();
+    if (record_.naming.failed > 0) log::warn("the network that names things failed: {}", understanding.naming_error());
     understanding.mesh(record_.mesh);
   }
 
@@ -104,7 +108,7 @@ class RecordingSink : public Sink {
 class SingleThread {
  public:
   SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body,
-               ClassTable classes, OpenedStore* map)
+               ClassTable classes, std::unique_ptr<SegmentNamer> namer, OpenedStore* map)
       : backend_options_(settings.config.pipeline.backend),
         store_(map == nullptr ? nullptr : &map->store),
         pipeline_(settings.config.pipeline, calibration, T_world_body, begun_with(map)),
@@ -113,7 +117,7 @@ class SingleThread {
         view_period_(from_seconds(settings.config.pipeline.understanding.period_s)) {
     if (settings.config.pipeline.understanding.labels == "off") return;
     understanding_.emplace(settings.config.pipeline.understanding, calibration, std::move(classes),
-                           map == nullptr ? nullptr : &map->world);
+                           map == nullptr ? nullptr : &map->world, std::move(namer));
   }
 
   void track(const RgbdFrame& frame, Recorder& recorder) {
@@ -270,7 +274,13 @@ Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver
   ReplaySettings chosen = settings;
   std::string& labels = chosen.config.pipeline.understanding.labels;
   if (labels == "auto") labels = setup->label_table ? "replay" : "geometric";
-  SingleThread journey(chosen, calibration, T_world_body, std::move(*classes), map ? &*map : nullptr);
+  std::unique_ptr<SegmentNamer> namer;
+  if (labels == "dnn") {
+    auto loaded = load_namer(chosen.config);
+    if (!loaded) return loaded.error();
+    namer = std::move(*loaded);
+  }
+  SingleThread journey(chosen, calibration, T_world_body, std::move(*classes), std::move(namer), map ? &*map : nullptr);
   Recorder recorder;
   {
     Progress progress("replay", setup->num_frames.value_or(0));

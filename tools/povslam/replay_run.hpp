@@ -22,9 +22,20 @@ struct ReplaySettings {
   std::vector<StampedPose> true_poses;         // T_world_camera in place of the tracked ones; empty: those
 };
 
-enum class Stage : std::uint8_t { features, track, keyframe, smooth, close_loop, segment, associate, integrate, total };
-inline constexpr std::array<const char*, 9> kStageNames = {"features", "track",     "keyframe",  "smooth", "close_loop",
-                                                           "segment",  "associate", "integrate", "total"};
+enum class Stage : std::uint8_t {
+  features,
+  track,
+  keyframe,
+  smooth,
+  close_loop,
+  segment,
+  name,
+  associate,
+  integrate,
+  total
+};
+inline constexpr std::array<const char*, 10> kStageNames = {"features", "track", "keyframe",  "smooth",    "close_loop",
+                                                            "segment",  "name",  "associate", "integrate", "total"};
 
 struct MapAt {
   TimeNs stamp = 0;
@@ -43,6 +54,7 @@ struct ReplayRecord {
   std::vector<ObjectEvent> events;
   std::vector<ObjectRecord> objects;  // at the end
   LabelCounts labels;
+  NamingCounts naming;
   Mesh mesh;            // of what stands at the end
   std::string failure;  // why it ended early; empty: it did not
 };

@@ -151,6 +151,21 @@ TEST_F(Replay, NeverWritesIntoOrAroundASequence) {
   EXPECT_TRUE(make_output_folder(out("beside"), kSequence));
 }
 
+TEST_F(Replay, SaysWhichKeyNamesTheNetworkThatIsMissing) {
+  const Outcome none = replay("n", {"--labels", "dnn"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, testing::HasSubstr("network.file: "));
+  const std::string file = out("no.onnx").string();
+  std::ofstream(file) << "no network";
+  for (const bool realtime : {false, true}) {
+    std::vector<std::string> more = {"--set", "understanding.labels=dnn", "--set", "network.file=" + file};
+    if (realtime) more.emplace_back("--realtime");
+    const Outcome broken = replay("n", more);
+    EXPECT_EQ(broken.exit_code, 1);
+    EXPECT_THAT(broken.errors, testing::HasSubstr("network.file: " + file));
+  }
+}
+
 TEST_F(Replay, TellsBadUsageFromFailure) {
   EXPECT_EQ(replay("a", {"--set", "orb.num_levels=99"}).exit_code, 2);
   EXPECT_EQ(replay("a", {"--start", "here"}).exit_code, 2);
