@@ -127,6 +127,7 @@ void BasicUnderstandingThread<Mind>::note(const Understood& done) {
   if (is_view) last_stamp_ = done.stamp;
   news_.views_understood += is_view ? 1 : 0;
   news_.events += static_cast<std::int64_t>(done.events.size());
+  if (done.times.asked) news_.naming_ms = done.times.name_ms;
   outlet_.add(std::span<const LandmarkOwner>(done.owners));
   if (links_.changes == nullptr) {
     outlet_.add(std::span<const ObjectEvent>(done.events));
@@ -146,6 +147,7 @@ void BasicUnderstandingThread<Mind>::report(float total_ms) {
   }
   news_.objects = static_cast<int>(objects.objects.size());
   news_.labels = mind_.labels();
+  if (links_.sources != nullptr) news_.label_sources = links_.sources->health();
   note_naming();
   news_.total_ms = total_ms;
   outlet_.send(news_);

@@ -27,6 +27,7 @@ ClassTable classes_for(const UnderstandingOptions& options, ClassTable classes, 
 LabelJoinOptions join_options(const UnderstandingOptions& options, const SensorCalibration& calibration) {
   LabelJoinOptions join;
   join.max_latency_s = by_geometry(options) ? 0.0 : options.label_max_latency_s;
+  join.labels_come = !by_geometry(options);
   join.period_s = 1.0 / calibration.fps;
   join.width = calibration.camera.width;
   join.height = calibration.camera.height;

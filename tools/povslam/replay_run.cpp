@@ -56,6 +56,7 @@ class Recorder {
     if (done.times.asked) stage(Stage::name, done.times.name_ms);
     stage(Stage::associate, done.times.associate_ms);
     stage(Stage::integrate, done.times.integrate_ms);
+    ++record_.views_understood;
     add_events(done);
   }
   void add_events(const Understood& done) {
@@ -323,6 +324,9 @@ Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::un
   for (std::size_t i = 0; i < kNumDropReasons; ++i) record.drops[i] = counters.drops[i].load();
   record.tracking_cpu_s = to_seconds(counters.tracking_cpu.load());
   record.feeder_cpu_s = to_seconds(counters.feeder_cpu.load());
+  record.labels_dropped = counters.labels_dropped.load();
+  record.views_dropped = counters.views_dropped.load();
+  record.views_understood = counters.views.load();  // what was handed over is understood before the end
   if (!ended) record.failure = "interrupted";
   clocks.stop(record);
   return std::move(record);

@@ -55,8 +55,10 @@ struct ReplayRecord {
   std::vector<ObjectRecord> objects;  // at the end
   LabelCounts labels;
   NamingCounts naming;
-  Mesh mesh;            // of what stands at the end
-  std::string failure;  // why it ended early; empty: it did not
+  std::int64_t labels_dropped = 0;                       // on their way, in real time
+  std::int64_t views_understood = 0, views_dropped = 0;  // dropped: in real time
+  Mesh mesh;                                             // of what stands at the end
+  std::string failure;                                   // why it ended early; empty: it did not
 };
 
 // One thread; no frame is dropped and nothing depends on time. Stops early on SIGINT or SIGTERM.

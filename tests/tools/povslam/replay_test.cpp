@@ -85,6 +85,8 @@ TEST_F(Replay, WritesEveryTrackedFrameAndItsFigures) {
   EXPECT_EQ(metrics["stages_ms"]["total"]["count"], metrics["frames"]);
   EXPECT_GE(metrics["stages_ms"]["total"]["max"], metrics["stages_ms"]["total"]["median"]);
   EXPECT_GT(metrics["peak_rss_mb"], 1.0);
+  EXPECT_GT(metrics["views"]["understood"], 0);
+  EXPECT_EQ(metrics["labels"]["missing"], 0) << "nobody labels";
   EXPECT_THAT(outcome.output, testing::HasSubstr(std::to_string(published->size()) + " tracked"));
   EXPECT_TRUE(std::filesystem::exists(out("a") / "trajectory.png"));
 }
