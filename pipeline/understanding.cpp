@@ -1,6 +1,9 @@
 #include "pipeline/understanding.hpp"
 
+#include <algorithm>
+#include <deque>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "pipeline/base/time.hpp"
@@ -8,6 +11,7 @@
 #include "pipeline/objects/library.hpp"
 #include "pipeline/objects/restore_block.hpp"
 #include "pipeline/objects/world_journal.hpp"
+#include "pipeline/structure_anchors.hpp"
 
 namespace povslam {
 namespace {
@@ -59,6 +63,7 @@ struct Understanding::Impl {
     for (const EmptyCellRow& cell : content.empty_cells) {
       empty.restore({cell.x, cell.y, cell.z, {cell.first, cell.last, cell.times}});
     }
+    structure_anchors.note(structure, -1);  // what was learned before hangs on no keyframe of this session's views
     journal.assume_told(content, library, structure);
     list_objects();
   }
@@ -70,6 +75,41 @@ struct Understanding::Impl {
     last_change = newest_view;
     change_out = !change.empty();
     return change_out ? &change : nullptr;
+  }
+
+  // The map was corrected before this view: what earlier ones made follows, and nothing is told of it.
+  void correct(const View& view) {
+    while (!corrections.empty() && corrections.front().stamp <= view.stamp()) {
+      const std::vector<KeyframeMotion> motions = std::move(corrections.front().motions);
+      corrections.pop_front();
+      library.correct(motions);
+      structure_anchors.carry(structure, motions);
+      forget_moved_cells(motions);
+    }
+    if (view_of_keyframe.empty() || view_of_keyframe.back().keyframe != view.reference_keyframe) {
+      constexpr std::ptrdiff_t kMost = 1 << 16;  // places seen longer ago count as not moved
+      if (std::ssize(view_of_keyframe) == kMost) {
+        view_of_keyframe.erase(view_of_keyframe.begin(), view_of_keyframe.begin() + kMost / 2);
+      }
+      view_of_keyframe.push_back({view.stamp(), view.reference_keyframe});
+    }
+  }
+
+  // An empty place remembered somewhere else would make things that stand there look as if they came.
+  void forget_moved_cells(std::span<const KeyframeMotion> motions) {
+    const double cell_m = options.empty.cell_size_m;
+    const auto moved = [&](const EmptySpace::Cell& cell) {
+      const auto after = std::ranges::upper_bound(view_of_keyframe, cell.seen.last, {}, &ViewOfKeyframe::first);
+      if (after == view_of_keyframe.begin()) return false;
+      const Rigid3* T_new_old = motion_of(motions, std::prev(after)->keyframe);
+      const Eigen::Vector3d p = (Eigen::Vector3d(cell.x, cell.y, cell.z) + Eigen::Vector3d::Constant(0.5)) * cell_m;
+      return T_new_old != nullptr && (*T_new_old * p - p).norm() > 0.5 * cell_m;
+    };
+    EmptySpace kept(options.empty);
+    for (const EmptySpace::Cell& cell : empty.cells(0)) {
+      if (!moved(cell)) kept.restore(cell);
+    }
+    empty = std::move(kept);
   }
 
   const Extraction* extract(const LabelFrame* labels) {
@@ -95,6 +135,7 @@ struct Understanding::Impl {
     const TimeNs start = thread_cpu_now();
     done = {};
     done.stamp = newest_view = view.stamp();
+    correct(view);
     builder.build(view.frame, view.T_world_camera, seen);
     const Extraction* extraction = extract(labels);
     const TimeNs segmented = thread_cpu_now();
@@ -107,7 +148,9 @@ struct Understanding::Impl {
       done.events = std::move(step.events);
       done.owners = std::move(step.owners);
       associated = thread_cpu_now();
+      library.hang_on(view.reference_keyframe, view.stamp());
       integrate(structure, seen, kStructure, Rigid3{}, options.integrate);
+      structure_anchors.note(structure, view.reference_keyframe);
       empty.observe(seen);
     }
     const TimeNs end = thread_cpu_now();
@@ -131,7 +174,18 @@ struct Understanding::Impl {
   std::unique_ptr<SegmentNamer> namer;  // null: segments stay without names
   Extractor extractor;
   Volume structure;
+  StructureAnchors structure_anchors;
   EmptySpace empty;
+  struct Correction {
+    TimeNs stamp = 0;  // of the first view in the corrected map
+    std::vector<KeyframeMotion> motions;
+  };
+  std::deque<Correction> corrections;  // of views that wait
+  struct ViewOfKeyframe {
+    TimeNs first = 0;  // view that hung on it
+    std::int64_t keyframe = -1;
+  };
+  std::vector<ViewOfKeyframe> view_of_keyframe;  // in the order of time
   ObjectLibrary library;
   MeshCache structure_mesh{kMeshWeight};
   DepthView seen;
@@ -157,6 +211,8 @@ Understanding::Understanding(const UnderstandingOptions& options, const SensorCa
 Understanding::~Understanding() = default;
 
 void Understanding::add(View&& view) {
+  // Kept aside: a view may be dropped while it waits for labels, its corrections may not.
+  if (!view.corrections.empty()) impl_->corrections.push_back({view.stamp(), view.corrections});
   impl_->join.add(std::move(view));
 }
 void Understanding::add(const LabelFrame& labels) {

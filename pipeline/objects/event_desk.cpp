@@ -6,6 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "pipeline/objects/box_fit.hpp"
+#include "pipeline/objects/object.hpp"
+
 namespace povslam {
 namespace {
 
@@ -44,6 +47,17 @@ void EventDesk::withdraw(std::int64_t object) {
   const auto is_it = [object](const PlaceChange& change) { return change.object == object; };
   std::erase_if(came_, is_it);
   std::erase_if(found_, is_it);
+}
+
+void EventDesk::correct(std::span<const KeyframeMotion> motions) {
+  for (std::vector<PlaceChange>* changes : {&gone_, &came_, &found_}) {
+    for (PlaceChange& change : *changes) {
+      const Rigid3* T_new_old = motion_of(motions, change.keyframe);
+      if (T_new_old == nullptr) continue;
+      change.place.position = *T_new_old * change.place.position;
+      change.place.yaw = fold_half_turn(change.place.yaw + yaw_of(*T_new_old));
+    }
+  }
 }
 
 bool EventDesk::holds_gone(std::int64_t object) const {

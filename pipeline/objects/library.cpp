@@ -299,7 +299,7 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     change.evidence.first_absent = object->first_absent;
     change.evidence.last_absent = object->last_absent;
     desk_.gone(std::move(change));
-    old_places_.push_back({object->box_world(), object->last_seen});
+    old_places_.push_back({object->box_world(), object->last_seen, object->keyframe});
     if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
   }
   for (const std::int64_t id : dropped) erase(id, step);
@@ -345,6 +345,7 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   change.evidence.last_present = object.last_seen;
   change.appearance = appearance_of(object.volume);
   change.decided = now;
+  change.keyframe = object.keyframe;
   return change;
 }
 

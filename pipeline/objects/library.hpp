@@ -12,6 +12,7 @@
 #include "pipeline/objects/associate.hpp"
 #include "pipeline/objects/event_desk.hpp"
 #include "pipeline/objects/extract.hpp"
+#include "pipeline/objects/keyframe_motion.hpp"
 #include "pipeline/objects/view.hpp"
 #include "pipeline/objects/world_rows.hpp"
 
@@ -34,6 +35,10 @@ class ObjectLibrary {
   void observe(const Extraction& extraction, const EmptySpace& empty, DepthView& view, LibraryStep& step);
   // The landmarks seen on the objects of the view observed last.
   void claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view, LibraryStep& step);
+  // What the view of this stamp saw hangs on this keyframe from now on.
+  void hang_on(std::int64_t keyframe, TimeNs stamp);
+  // Keyframes were moved (a loop was closed): what hangs on them moves along in x, y, z and yaw. Tells nothing.
+  void correct(std::span<const KeyframeMotion> motions);
   // Decides what was held back (end of a session).
   void finish(LibraryStep& step);
 
@@ -85,6 +90,7 @@ class ObjectLibrary {
   struct OldPlace {  // of an object that went
     Box box;
     TimeNs last_present = 0;
+    std::int64_t keyframe = -1;  // MapObject's
   };
   std::vector<OldPlace> old_places_;                            // the latest
   std::vector<std::pair<std::int64_t, std::int64_t>> renamed_;  // came, gone: by the desk, in this step

@@ -27,6 +27,7 @@ struct MapObject {
   Box box;                            // of the surface, in the volume's frame
 
   TimeNs first_seen = 0, last_seen = 0;
+  std::int64_t keyframe = -1;  // of the tracker's map, that the view hung on which saw it last; -1: not in this session
   std::optional<TimeNs> first_absent, last_absent;  // since it was last seen in its place
   int observations = 0;
   double looks = 0.0;      // sum over its views of a look's weight at its depth (kGoodSigma_m)

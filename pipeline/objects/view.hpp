@@ -5,6 +5,7 @@
 
 #include "pipeline/frames/rgbd_frame.hpp"
 #include "pipeline/geometry/rigid.hpp"
+#include "pipeline/objects/keyframe_motion.hpp"
 
 namespace povslam {
 
@@ -22,6 +23,10 @@ struct View {
   Matrix6d covariance = Matrix6d::Zero();  // of T_world_camera (see Rigid3)
   bool trusted = false;                    // the tracker's state was OK
   std::uint32_t map_version = 0;
+  std::int64_t reference_keyframe = -1;  // that its pose hangs on; -1: on none, it will never be corrected
+  // Keyframes that earlier views hung on and that were moved since the view before, by ascending keyframe: this view's
+  // pose is one of the corrected map, theirs are not.
+  std::vector<KeyframeMotion> corrections;
   std::vector<SeenLandmark> landmarks;
 
   TimeNs stamp() const { return frame.stamp; }

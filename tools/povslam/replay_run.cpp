@@ -168,6 +168,8 @@ class SingleThread {
     if (T_world_camera) {
       view_.T_world_camera = *T_world_camera;
       view_.trusted = true;
+      view_.reference_keyframe = -1;  // the truth needs no correction
+      view_.corrections.clear();
       next_true_view_ = frame.stamp + view_period_;
     }
     understanding_->add(std::move(view_));
