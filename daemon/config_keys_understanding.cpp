@@ -6,8 +6,8 @@ namespace povslam {
 // An option added to these structs changes their size: give it a key below, then the new size here.
 static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 112 && sizeof(VolumeOptions) == 24 &&
               sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 56 &&
-              sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 72 &&
-              sizeof(NamingOptions) == 40 && sizeof(UnderstandingOptions) == 544);
+              sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 80 &&
+              sizeof(NamingOptions) == 40 && sizeof(UnderstandingOptions) == 552);
 
 std::vector<Key<AppConfig>> understanding_table() {
   return {
@@ -157,6 +157,9 @@ std::vector<Key<AppConfig>> understanding_table() {
           "What went waits so long for being found elsewhere before it is told"),
       key("life.merge_overlap", AT(pipeline.understanding.objects.life.merge_overlap), 0.0, 1.0,
           "Objects that share so much of the smaller are one"),
+      key("life.part_min_m", AT(pipeline.understanding.objects.life.part_min_m), 0.0, 100.0,
+          "A part of an object that went while the rest stands is told as removed if it is so large in two directions; "
+          "0: none is"),
   };
 }
 

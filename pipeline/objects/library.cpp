@@ -12,9 +12,6 @@
 namespace povslam {
 namespace {
 
-constexpr double kShapeLooks = 0.5;    // that make a surface point count…
-constexpr double kShapeShare = 0.3;    // …or this share of all, of a thing hardly seen
-constexpr double kAssumedDepth = 1.0;  // see refresh_shape
 constexpr TimeNs kEmptyBefore = kNsPerSecond;
 constexpr std::size_t kOldPlaces = 256;
 
@@ -28,10 +25,6 @@ bool may_be_seen(const Box& box, const DepthView& view, double max_depth_m) {
   const double down = (view.camera.height - view.camera.cy) / view.camera.fy, up = view.camera.cy / view.camera.fy;
   return p.x() / z < right + slack_x && p.x() / z > -left - slack_x && p.y() / z < down + slack_y &&
          p.y() / z > -up - slack_y;
-}
-
-double shape_weight(const MapObject& object) {
-  return std::min(kShapeLooks, kShapeShare * object.looks);
 }
 
 double look_weight(double depth_m, const IntegrateOptions& options) {
@@ -130,7 +123,11 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
     const double change_m = belief.lambda_diff * match.registration.mean_distance_m;
     object.belief = observe_change(object.belief, change_m, class_of(object), belief).belief;
   }
-  if (contradicted(look, object)) return;  // part of it is gone: its shape must not be painted over
+  if (contradicted(look, object)) {  // part of it is gone: its shape must not be painted over
+    doubt_part(match, object, extraction, view);
+    return;
+  }
+  object.part_belief.reset();
   object.last_seen = view.stamp;
   object.first_absent = object.last_absent = std::nullopt;
   ++object.observations;
@@ -299,10 +296,14 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     change.evidence.first_absent = object->first_absent;
     change.evidence.last_absent = object->last_absent;
     desk_.gone(std::move(change));
-    old_places_.push_back({object->box_world(), object->last_seen, object->keyframe});
-    if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
+    remember_place(*object);
   }
   for (const std::int64_t id : dropped) erase(id, step);
+}
+
+void ObjectLibrary::remember_place(const MapObject& object) {
+  old_places_.push_back({object.box_world(), object.last_seen, object.keyframe});
+  if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
 }
 
 void ObjectLibrary::erase(std::int64_t id, LibraryStep& step) {

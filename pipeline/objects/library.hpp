@@ -57,6 +57,7 @@ class ObjectLibrary {
   std::vector<MapObject*> in_reach(const DepthView& view) const;
   void take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
             const SurfaceLook& look);
+  void doubt_part(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view);
   void miss(MapObject& object, const SurfaceLook& look, TimeNs now);
   bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const;
   bool stands_in_old_place(const MapObject& object) const;
@@ -67,6 +68,7 @@ class ObjectLibrary {
               LibraryStep& step);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
   void drop_unbelieved(TimeNs now, LibraryStep& step);
+  void remember_place(const MapObject& object);
   void erase(std::int64_t id, LibraryStep& step);
   void rename(std::int64_t came, std::int64_t gone);
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
