@@ -17,14 +17,6 @@ Eigen::Vector3d corner_of(const BlockKey& key) {  // in voxels
   return Eigen::Vector3d(key.x, key.y, key.z) * kBlockEdge;
 }
 
-// Where the voxel at p of the new volume was in the piece; -1: elsewhere.
-int voxel_before(const Piece& piece, const Rigid3& T_old_new, const Eigen::Vector3d& p, double voxel_m) {
-  const Eigen::Vector3d at = ((T_old_new * p) / voxel_m - corner_of(piece.block.key)).array().floor();
-  if (at.minCoeff() < 0.0 || at.maxCoeff() >= kBlockEdge) return -1;
-  const Eigen::Vector3i i = at.cast<int>();
-  return i.x() + kBlockEdge * (i.y() + kBlockEdge * i.z());
-}
-
 void average(VoxelBlock& to, std::size_t i, const VoxelBlock& from, std::size_t j) {
   const int own = to.weight[i], other = from.weight[j], sum = own + other;
   if (other == 0) return;
@@ -36,16 +28,31 @@ void average(VoxelBlock& to, std::size_t i, const VoxelBlock& from, std::size_t 
   to.weight[i] = static_cast<std::uint16_t>(std::min(sum, 65535));
 }
 
-void bring_into(Volume& volume, int index, const Piece& piece, const Rigid3& T_old_new) {
+// Into the block of this key, which is made only if something of the piece falls into it. True: something did.
+bool bring_into(Volume& volume, const BlockKey& key, const Piece& piece, const Rigid3& T_old_new) {
   const double voxel_m = volume.options().voxel_size_m;
-  VoxelBlock& to = volume.block(index);
+  const Eigen::Matrix3d turn = T_old_new.matrix3();
+  // Of the middle of the block's first voxel in the piece, in voxels.
+  const Eigen::Vector3d first = turn * (corner_of(key) + Eigen::Vector3d::Constant(0.5)) +
+                                T_old_new.translation / voxel_m - corner_of(piece.block.key);
+  VoxelBlock* to = nullptr;
+  int index = -1;
   for (int v = 0; v < kBlockVoxels; ++v) {
-    const Eigen::Vector3d cell(v % kBlockEdge, v / kBlockEdge % kBlockEdge, v / (kBlockEdge * kBlockEdge));
-    const Eigen::Vector3d p = (corner_of(to.key) + cell + Eigen::Vector3d::Constant(0.5)) * voxel_m;
-    const int from = voxel_before(piece, T_old_new, p, voxel_m);
-    if (from >= 0) average(to, static_cast<std::size_t>(v), piece.block, static_cast<std::size_t>(from));
+    const int x = v % kBlockEdge, y = v / kBlockEdge % kBlockEdge, z = v / (kBlockEdge * kBlockEdge);
+    const Eigen::Vector3d at = first + x * turn.col(0) + y * turn.col(1) + z * turn.col(2);
+    if (at.minCoeff() < 0.0 || at.maxCoeff() >= kBlockEdge) continue;
+    const Eigen::Vector3i i = at.cast<int>();
+    const auto from = static_cast<std::size_t>(i.x() + kBlockEdge * (i.y() + kBlockEdge * i.z()));
+    if (piece.block.weight[from] == 0) continue;
+    if (to == nullptr) {
+      index = volume.allocate(key);
+      if (index < 0) return false;  // full
+      to = &volume.block(index);
+    }
+    average(*to, static_cast<std::size_t>(v), piece.block, from);
   }
-  volume.mark_changed(index);
+  if (to != nullptr) volume.mark_changed(index);
+  return to != nullptr;
 }
 
 // Keys of the blocks that the piece may now reach into, first and last.
@@ -99,10 +106,7 @@ int StructureAnchors::carry(Volume& volume, std::span<const KeyframeMotion> moti
     for (std::int32_t z = first.z; z <= last.z; ++z) {
       for (std::int32_t y = first.y; y <= last.y; ++y) {
         for (std::int32_t x = first.x; x <= last.x; ++x) {
-          const int index = volume.allocate({x, y, z});
-          if (index < 0) continue;
-          bring_into(volume, index, piece, T_old_new);
-          kept[{x, y, z}] = piece.keyframe;
+          if (bring_into(volume, {x, y, z}, piece, T_old_new)) kept[{x, y, z}] = piece.keyframe;
         }
       }
     }

@@ -105,11 +105,10 @@ struct Understanding::Impl {
       const Eigen::Vector3d p = (Eigen::Vector3d(cell.x, cell.y, cell.z) + Eigen::Vector3d::Constant(0.5)) * cell_m;
       return T_new_old != nullptr && (*T_new_old * p - p).norm() > 0.5 * cell_m;
     };
-    EmptySpace kept(options.empty);
-    for (const EmptySpace::Cell& cell : empty.cells(0)) {
-      if (!moved(cell)) kept.restore(cell);
-    }
-    empty = std::move(kept);
+    std::vector<EmptySpace::Cell> cells = empty.cells(0);
+    if (std::erase_if(cells, moved) == 0) return;
+    empty = EmptySpace(options.empty);
+    for (const EmptySpace::Cell& cell : cells) empty.restore(cell);
   }
 
   const Extraction* extract(const LabelFrame* labels) {
@@ -161,12 +160,7 @@ struct Understanding::Impl {
     list_objects();
   }
 
-  void list_objects() {
-    records.clear();
-    for (const auto& object : library.objects()) {
-      if (object->phase == ObjectPhase::confirmed) records.push_back(library.record_of(*object));
-    }
-  }
+  void list_objects() { records = library.standing(); }
 
   UnderstandingOptions options;
   DepthViewBuilder builder;

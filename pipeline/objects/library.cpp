@@ -409,25 +409,4 @@ void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow*
   objects_.push_back(std::move(object));
 }
 
-ObjectRecord ObjectLibrary::record_of(const MapObject& object) const {
-  const Box box = object.box_world();
-  ObjectRecord record;
-  record.id = object.id;
-  record.phase = object.phase;
-  record.class_name = class_of(object).name;
-  record.place = {box.center, box.yaw};
-  record.size_m = box.size_m;
-  record.belief = object.belief;
-  record.first_seen = object.first_seen;
-  record.last_seen = object.last_seen;
-  record.first_absent = object.first_absent;
-  record.last_absent = object.last_absent;
-  record.observations = object.observations;
-  for (const auto& [landmark, owned] : owner_of_landmark_) {
-    if (owned.object == object.id) record.landmarks.push_back(landmark);
-  }
-  std::sort(record.landmarks.begin(), record.landmarks.end());
-  return record;
-}
-
 }  // namespace povslam

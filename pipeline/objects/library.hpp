@@ -52,6 +52,7 @@ class ObjectLibrary {
   void restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks);
   void restore(const WorldMeta& meta);
   ObjectRecord record_of(const MapObject& object) const;
+  std::vector<ObjectRecord> standing() const;  // of all that are confirmed
 
  private:
   std::vector<MapObject*> in_reach(const DepthView& view) const;
@@ -69,6 +70,7 @@ class ObjectLibrary {
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
   void drop_unbelieved(TimeNs now, LibraryStep& step);
   void remember_place(const MapObject& object);
+  ObjectRecord record_without_landmarks(const MapObject& object) const;
   void erase(std::int64_t id, LibraryStep& step);
   void rename(std::int64_t came, std::int64_t gone);
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
