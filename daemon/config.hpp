@@ -65,7 +65,11 @@ std::string store_file(const MapConfig& config, const char* state_folder);
 struct LabelConfig {
   std::string socket;            // path a label source connects to; empty: off
   std::string lcm_channel;       // empty: off
-  std::string classes = "auto";  // built-in table or file; auto: see choose_class_table()
+  std::string classes = "auto";  // built-in table or file; auto: see choose_class_table(), load_namer()
+};
+
+struct NetworkConfig {
+  std::string file;  // weights of the network that names segments (understanding.labels = "dnn")
 };
 
 struct AppConfig {
@@ -73,6 +77,7 @@ struct AppConfig {
   LogConfig log;
   DaemonConfig daemon;
   LabelConfig labels;
+  NetworkConfig network;
   PoseConfig start;  // T_world_body at the first frame
   MapConfig map;
   PipelineOptions pipeline;

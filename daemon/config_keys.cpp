@@ -28,7 +28,7 @@ std::vector<Key<AppConfig>> daemon_table() {
            "LCM channel on which povslam.label_image_t comes, for example POVSLAM_LABELS; empty: none"),
       text("labels.classes", AT(labels.classes),
            "What the ids of label images mean: synthetic, torwic, coco, geometric or a TOML file; auto: as the sensor "
-           "says"),
+           "says, and coco for a network's names"),
       key("start.translation_m", AT(start.translation_m), -1e7, 1e7,
           "Where the body is at the first frame (T_world_body), for example at its dock; the world is level there"),
       key("start.q_xyzw", AT(start.q_xyzw), -1, 1, "Its orientation"),

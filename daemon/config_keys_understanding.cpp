@@ -6,17 +6,17 @@ namespace povslam {
 // An option added to these structs changes their size: give it a key below, then the new size here.
 static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 112 && sizeof(VolumeOptions) == 24 &&
               sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 56 &&
-              sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 72 &&
-              sizeof(UnderstandingOptions) == 504);
+              sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 80 &&
+              sizeof(NamingOptions) == 40 && sizeof(UnderstandingOptions) == 552);
 
 std::vector<Key<AppConfig>> understanding_table() {
   return {
       text("understanding.labels", AT(pipeline.understanding.labels),
            "What says which thing a pixel shows; off: no objects, no dense map; geometric: what stands apart, without "
-           "any "
-           "labels; replay: label frames of the driver or of a source ([labels]); auto: those if any are set up, else "
+           "any labels; dnn: the same, and a network names it ([network]); replay: label frames of the driver or of a "
+           "source ([labels]); auto: those if any are set up, else "
            "geometric",
-           {"auto", "off", "geometric", "replay"}),
+           {"auto", "off", "geometric", "dnn", "replay"}),
       key("understanding.period_s", AT(pipeline.understanding.period_s), 0.02, 60.0,
           "Between two frames that are understood"),
       key("understanding.label_max_latency_s", AT(pipeline.understanding.label_max_latency_s), 0.0, 30.0,
@@ -56,6 +56,22 @@ std::vector<Key<AppConfig>> understanding_table() {
           "And not higher than this is a shelf: structure"),
       key("segment.own_outline", AT(pipeline.understanding.segment.own_outline), 0.0, 1.0,
           "A flat thing with a smaller share of outline of its own is the background"),
+
+      text("network.file", AT(network.file),
+           "Weights of the network that names segments: a YOLOX in ONNX without decoding; its classes are those of "
+           "labels.classes, the first of them id 1"),
+      key("network.input_px", AT(pipeline.understanding.naming.input_px), 32, 2048,
+          "Edge of the square image it takes, a multiple of 32"),
+      key("network.every_nth_view", AT(pipeline.understanding.naming.every_nth_view), 1, 1000,
+          "It looks at one of so many frames that are understood"),
+      key("network.min_score", AT(pipeline.understanding.naming.boxes.min_score), 0.0, 1.0,
+          "What it is less sure of is nothing"),
+      key("network.max_overlap", AT(pipeline.understanding.naming.boxes.max_overlap), 0.0, 1.0,
+          "Of two boxes of one class (intersection over union): the weaker is a double"),
+      key("network.inside", AT(pipeline.understanding.naming.names.inside), 0.0, 1.0,
+          "A box names a segment that has this share of its pixels in it"),
+      key("network.filled", AT(pipeline.understanding.naming.names.filled), 0.0, 1.0,
+          "And that covers this share of what was measured in the box"),
 
       key("structure.voxel_size_m", AT(pipeline.understanding.structure.voxel_size_m), 0.005, 1.0,
           "Dense map of floor, walls and racks"),
@@ -141,6 +157,9 @@ std::vector<Key<AppConfig>> understanding_table() {
           "What went waits so long for being found elsewhere before it is told"),
       key("life.merge_overlap", AT(pipeline.understanding.objects.life.merge_overlap), 0.0, 1.0,
           "Objects that share so much of the smaller are one"),
+      key("life.part_min_m", AT(pipeline.understanding.objects.life.part_min_m), 0.0, 100.0,
+          "A part of an object that went while the rest stands is told as removed if it is so large in two directions; "
+          "0: none is"),
   };
 }
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string>
 
 #include "pipeline/base/spsc_ring.hpp"
 #include "pipeline/frames/label_frame.hpp"
@@ -25,6 +26,12 @@ struct LabelSourceCounters {
   std::atomic<std::int64_t> clients{0};  // connections that said hello
   std::atomic<bool> connected{false};
   std::atomic<bool> silent{false};  // images came, labels did not, for kLabelSilence
+};
+
+struct LabelSourceHealth {  // the same as plain values
+  std::string name;
+  bool connected = false, silent = false;
+  std::int64_t offered = 0, images = 0, labels = 0, dropped = 0, bad = 0;
 };
 
 }  // namespace povslam

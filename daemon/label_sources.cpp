@@ -4,6 +4,23 @@
 
 namespace povslam {
 
+namespace {
+
+LabelSourceHealth health_of(const char* name, const LabelSourceCounters& counters) {
+  LabelSourceHealth health;
+  health.name = name;
+  health.connected = counters.connected.load();
+  health.silent = counters.silent.load();
+  health.offered = counters.offered.load();
+  health.images = counters.images.load();
+  health.labels = counters.labels.load();
+  health.dropped = counters.dropped.load();
+  health.bad = counters.bad.load();
+  return health;
+}
+
+}  // namespace
+
 Result<std::unique_ptr<LabelSources>> LabelSources::start(const LabelConfig& config, const LcmConfig& lcm,
                                                           const std::string& table, const PinholeCamera& camera,
                                                           Doorbell* bell) {
@@ -35,6 +52,13 @@ Result<std::unique_ptr<LabelSources>> LabelSources::start(const LabelConfig& con
 void LabelSources::offer(const RgbdFrame& image) {
   if (socket_) socket_->offer(image);
   if (lcm_) lcm_counters_.offered.fetch_add(1, std::memory_order_relaxed);
+}
+
+std::vector<LabelSourceHealth> LabelSources::health() const {
+  std::vector<LabelSourceHealth> all;
+  if (socket_) all.push_back(health_of("socket", socket_counters_));
+  if (lcm_) all.push_back(health_of("lcm", lcm_counters_));
+  return all;
 }
 
 std::optional<LabelFrame> LabelSources::try_pop() {

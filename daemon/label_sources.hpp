@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/config.hpp"
 #include "daemon/label_lcm.hpp"
@@ -27,6 +28,7 @@ class LabelSources {
   void offer(const RgbdFrame& image);   // this image may be labelled; never waits
   std::optional<LabelFrame> try_pop();  // labels that came
 
+  std::vector<LabelSourceHealth> health() const;                          // of those there are; any thread
   const LabelSourceCounters& socket() const { return socket_counters_; }  // any thread
   const LabelSourceCounters& lcm() const { return lcm_counters_; }
 

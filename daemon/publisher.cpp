@@ -59,6 +59,19 @@ bool has_pose(TrackState state) {
   return state == TrackState::ok || state == TrackState::degraded;
 }
 
+label_source_t message_of(const LabelSourceHealth& source) {
+  label_source_t message;
+  message.name = source.name;
+  message.connected = source.connected ? 1 : 0;
+  message.silent = source.silent ? 1 : 0;
+  message.offered = source.offered;
+  message.images = source.images;
+  message.labels = source.labels;
+  message.dropped = source.dropped;
+  message.malformed = source.bad;
+  return message;
+}
+
 void write_understanding(const UnderstandingHealth& health, health_t& message) {
   const LabelCounts& labels = health.news.labels;
   message.views = health.views;
@@ -73,9 +86,16 @@ void write_understanding(const UnderstandingHealth& health, health_t& message) {
   message.labels_late = labels.late;
   message.labels_unmatched = labels.unmatched;
   message.labels_missing = labels.missing;
+  message.labels_wrong_size = labels.wrong_size;
   message.labels_bad = labels.bad;
   message.labels_dropped = health.labels_dropped;
   message.unknown_label_pixels = labels.unknown_ids;
+  for (const LabelSourceHealth& source : health.news.label_sources) message.label_sources.push_back(message_of(source));
+  message.num_label_sources = static_cast<std::int32_t>(message.label_sources.size());
+  message.naming_asked = health.news.naming.asked;
+  message.naming_failed = health.news.naming.failed;
+  message.segments_named = health.news.naming.named;
+  message.naming_last_ms = static_cast<double>(health.news.naming_ms);
 }
 
 std::string advice(const std::string& url) {

@@ -67,6 +67,7 @@ class BasicUnderstandingThread {
   void take_stored();
   void note(const Understood& done);
   void report(float total_ms);
+  void note_naming();
   void hand_out_change();
 
   Mind& mind_;
@@ -127,6 +128,7 @@ void BasicUnderstandingThread<Mind>::note(const Understood& done) {
   if (is_view) last_stamp_ = done.stamp;
   news_.views_understood += is_view ? 1 : 0;
   news_.events += static_cast<std::int64_t>(done.events.size());
+  if (done.times.asked) news_.naming_ms = done.times.name_ms;
   outlet_.add(std::span<const LandmarkOwner>(done.owners));
   outlet_.add(std::span<const ObjectBelief>(done.beliefs));
   if (links_.changes == nullptr) {
@@ -147,9 +149,21 @@ void BasicUnderstandingThread<Mind>::report(float total_ms) {
   }
   news_.objects = static_cast<int>(objects.objects.size());
   news_.labels = mind_.labels();
+  if (links_.sources != nullptr) news_.label_sources = links_.sources->health();
+  note_naming();
   news_.total_ms = total_ms;
   outlet_.send(news_);
   outlet_.send(std::move(objects));
+}
+
+template <class Mind>
+void BasicUnderstandingThread<Mind>::note_naming() {
+  const bool worked = news_.naming.failed == 0;
+  news_.naming = mind_.naming();
+  if (worked && news_.naming.failed > 0) {
+    log::warn("labels: the network that names things failed, first with: {}; they go on without names",
+              mind_.naming_error());
+  }
 }
 
 // An event does not wait for the period of changes.

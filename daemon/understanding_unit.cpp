@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/config_file_classes.hpp"
+#include "daemon/config_file_network.hpp"
 
 namespace povslam {
 namespace {
@@ -19,7 +20,7 @@ bool delivers_labels(const DriverSetup& setup) {
 
 Result<std::string> resolve_labels(const AppConfig& config, const DriverSetup& setup) {
   const std::string& asked = config.pipeline.understanding.labels;
-  if (asked == "off" || asked == "geometric") return asked;
+  if (asked == "off" || by_geometry(config.pipeline.understanding)) return asked;
   const bool any = delivers_labels(setup) || !config.labels.socket.empty() || !config.labels.lcm_channel.empty();
   if (any) return std::string("replay");
   if (asked == "auto") return std::string("geometric");
@@ -35,11 +36,17 @@ Result<std::unique_ptr<UnderstandingUnit>> UnderstandingUnit::start(const AppCon
   const bool by_labels = *labels == "replay";
   Result<ClassTable> classes = by_labels ? choose_class_table(config.labels, setup.label_table) : geometric_classes();
   if (!classes) return classes.error();
+  std::unique_ptr<SegmentNamer> namer;
+  if (*labels == "dnn") {
+    auto loaded = load_namer(config);
+    if (!loaded) return loaded.error();
+    namer = std::move(*loaded);
+  }
   const std::string table = classes->name;
   UnderstandingOptions options = config.pipeline.understanding;
   options.labels = *labels;
   std::unique_ptr<UnderstandingUnit> unit(
-      new UnderstandingUnit(config, options, setup, std::move(*classes), content, links));
+      new UnderstandingUnit(config, options, setup, std::move(*classes), content, std::move(namer), links));
   if (by_labels) {
     auto sources = LabelSources::start(config.labels, config.lcm, table, setup.sensors[0].camera, &links.bell);
     if (!sources) return sources.error();
@@ -55,13 +62,13 @@ Result<std::unique_ptr<UnderstandingUnit>> UnderstandingUnit::start(const AppCon
 
 UnderstandingUnit::UnderstandingUnit(const AppConfig& config, const UnderstandingOptions& options,
                                      const DriverSetup& setup, ClassTable classes, const WorldContent* content,
-                                     const Links& links)
+                                     std::unique_ptr<SegmentNamer> namer, const Links& links)
     : views_(kViewSlots, setup.sensors[0].camera, static_cast<std::size_t>(config.pipeline.frontend.orb.num_features),
              &links.bell),
       sensor_labels_(kLabelRing, &links.bell),
       owners_(kOwners),
       beliefs_(kBeliefs),
-      understanding_(options, setup.sensors[0], std::move(classes), content) {}
+      understanding_(options, setup.sensors[0], std::move(classes), content, std::move(namer)) {}
 
 void UnderstandingUnit::finish() {
   if (thread_) thread_->finish();

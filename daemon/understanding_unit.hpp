@@ -16,12 +16,12 @@ class UnderstandingUnit {
   struct Links {
     Doorbell& bell;  // rung when a stored change comes back; all outlive the unit
     ReportRing& reports;
-    Pipeline& pipeline;  // told of an earlier session's objects before its first frame
+    Pipeline& pipeline;                         // told of an earlier session's objects before its first frame
     ChangeWay<WorldChange>* changes = nullptr;  // to the disk; null: nobody stores
   };
 
   // Starts label sources and the thread. content: an earlier session's, or null. Null: understanding.labels is off.
-  // Fails when what is asked for gives no labels, with the key and the remedy.
+  // Fails when what is asked for gives no labels or no names, with the key and the remedy.
   static Result<std::unique_ptr<UnderstandingUnit>> start(const AppConfig& config, const DriverSetup& setup,
                                                           const WorldContent* content, const Links& links);
   ~UnderstandingUnit() { finish(); }
@@ -41,7 +41,8 @@ class UnderstandingUnit {
 
  private:
   UnderstandingUnit(const AppConfig& config, const UnderstandingOptions& options, const DriverSetup& setup,
-                    ClassTable classes, const WorldContent* content, const Links& links);
+                    ClassTable classes, const WorldContent* content, std::unique_ptr<SegmentNamer> namer,
+                    const Links& links);
 
   ViewExchange views_;
   LabelRing sensor_labels_;

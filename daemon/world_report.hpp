@@ -2,7 +2,9 @@
 #pragma once
 
 #include <variant>
+#include <vector>
 
+#include "daemon/label_ring.hpp"
 #include "pipeline/base/spsc_ring.hpp"
 #include "pipeline/objects/object_event.hpp"
 #include "pipeline/understanding.hpp"
@@ -21,6 +23,9 @@ struct UnderstandingNews {
   int objects = 0;          // that stand
   float total_ms = -1.0F;   // of this view; < 0: it was none
   LabelCounts labels;
+  std::vector<LabelSourceHealth> label_sources;  // outside the daemon
+  NamingCounts naming;
+  float naming_ms = 0.0F;  // CPU of the network's last look
 };
 
 using WorldReport = std::variant<ObjectEvent, ObjectSnapshot, UnderstandingNews>;

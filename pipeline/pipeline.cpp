@@ -1,6 +1,9 @@
 #include "pipeline/pipeline.hpp"
 
+#include <utility>
+
 #include "pipeline/frontend/track.hpp"
+#include "pipeline/keyframe_anchors.hpp"
 
 namespace povslam {
 
@@ -13,6 +16,18 @@ struct Pipeline::Impl {
         vem(calibration.camera, options.frontend, options.window, options.understanding.objects.belief),
         view_period(from_seconds(options.understanding.period_s)) {
     T_odom_start = T_world_body_start * calibration.T_body_sensor;
+  }
+
+  // A list of motions is made only when the map jumped, which is rare.
+  void hang(View& view) {
+    view.corrections.clear();
+    const auto pose_of = [this](std::int64_t keyframe) { return tracker.map().keyframe_pose(keyframe); };
+    if (std::exchange(anchors_version, view.map_version) != view.map_version) {
+      anchors.collect(pose_of, view.corrections);
+    }
+    if (const auto T_world_keyframe = pose_of(view.reference_keyframe)) {
+      anchors.hang_on(view.reference_keyframe, *T_world_keyframe);
+    }
   }
 
   Rigid3 T_camera_body;
@@ -40,6 +55,8 @@ struct Pipeline::Impl {
   std::vector<std::pair<std::int32_t, std::int64_t>> gone;
   TimeNs view_period;
   std::optional<TimeNs> last_view;
+  KeyframeAnchors anchors;
+  std::uint32_t anchors_version = 0;  // of the map, when they were last compared with it
 };
 
 Pipeline::Pipeline(const PipelineOptions& options, const SensorCalibration& calibration,
@@ -126,6 +143,8 @@ void Pipeline::fill_view(const RgbdFrame& frame, View& view) {
   view.covariance = pose.covariance;
   view.trusted = pose.state == TrackState::ok;
   view.map_version = pose.map_version;
+  view.reference_keyframe = pose.reference_keyframe;
+  impl_->hang(view);
   view.landmarks.clear();
   view.doubted.clear();
   if (impl_->pov) impl_->vem.doubted(view.doubted);

@@ -1,6 +1,9 @@
 #include "pipeline/understanding.hpp"
 
+#include <algorithm>
+#include <deque>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "pipeline/base/time.hpp"
@@ -8,6 +11,7 @@
 #include "pipeline/objects/library.hpp"
 #include "pipeline/objects/restore_block.hpp"
 #include "pipeline/objects/world_journal.hpp"
+#include "pipeline/structure_anchors.hpp"
 
 namespace povslam {
 namespace {
@@ -18,14 +22,16 @@ float ms(TimeNs span) {
   return static_cast<float>(to_ms(span));
 }
 
-// Segments have no class but that of things.
-ClassTable classes_for(const UnderstandingOptions& options, ClassTable classes) {
-  return options.labels == "geometric" ? geometric_classes() : std::move(classes);
+// Segments have no class but that of things, or what they may be named.
+ClassTable classes_for(const UnderstandingOptions& options, ClassTable classes, const SegmentNamer* namer) {
+  if (namer != nullptr) return with_unnamed_things(namer->classes());
+  return by_geometry(options) ? geometric_classes() : std::move(classes);
 }
 
 LabelJoinOptions join_options(const UnderstandingOptions& options, const SensorCalibration& calibration) {
   LabelJoinOptions join;
-  join.max_latency_s = options.labels == "geometric" ? 0.0 : options.label_max_latency_s;
+  join.max_latency_s = by_geometry(options) ? 0.0 : options.label_max_latency_s;
+  join.labels_come = !by_geometry(options);
   join.period_s = 1.0 / calibration.fps;
   join.width = calibration.camera.width;
   join.height = calibration.camera.height;
@@ -35,14 +41,17 @@ LabelJoinOptions join_options(const UnderstandingOptions& options, const SensorC
 }  // namespace
 
 struct Understanding::Impl {
-  Impl(const UnderstandingOptions& its_options, const SensorCalibration& calibration, ClassTable classes)
+  Impl(const UnderstandingOptions& its_options, const SensorCalibration& calibration, ClassTable classes,
+       std::unique_ptr<SegmentNamer> its_namer)
       : options(its_options),
         builder(calibration.camera, options.view),
         segmenter(calibration.camera, options.segment),
+        namer(std::move(its_namer)),
         extractor(options.objects.extract, options.integrate.depth_sigma_quadratic_per_m),
         structure(options.structure),
         empty(options.empty),
-        library(options.objects, options.object, options.integrate, classes_for(options, std::move(classes))),
+        library(options.objects, options.object, options.integrate,
+                classes_for(options, std::move(classes), namer.get())),
         join(join_options(options, calibration), library.classes()) {}
 
   void restore(const WorldContent& content) {
@@ -54,6 +63,7 @@ struct Understanding::Impl {
     for (const EmptyCellRow& cell : content.empty_cells) {
       empty.restore({cell.x, cell.y, cell.z, {cell.first, cell.last, cell.times}});
     }
+    structure_anchors.note(structure, -1);  // what was learned before hangs on no keyframe of this session's views
     journal.assume_told(content, library, structure);
     list_objects();
   }
@@ -67,23 +77,64 @@ struct Understanding::Impl {
     return change_out ? &change : nullptr;
   }
 
-  bool geometric() const { return options.labels == "geometric"; }
+  // The map was corrected before this view: what earlier ones made follows, and nothing is told of it.
+  void correct(const View& view) {
+    while (!corrections.empty() && corrections.front().stamp <= view.stamp()) {
+      const std::vector<KeyframeMotion> motions = std::move(corrections.front().motions);
+      corrections.pop_front();
+      library.correct(motions);
+      structure_anchors.carry(structure, motions);
+      forget_moved_cells(motions);
+    }
+    if (view_of_keyframe.empty() || view_of_keyframe.back().keyframe != view.reference_keyframe) {
+      constexpr std::ptrdiff_t kMost = 1 << 16;  // places seen longer ago count as not moved
+      if (std::ssize(view_of_keyframe) == kMost) {
+        view_of_keyframe.erase(view_of_keyframe.begin(), view_of_keyframe.begin() + kMost / 2);
+      }
+      view_of_keyframe.push_back({view.stamp(), view.reference_keyframe});
+    }
+  }
+
+  // An empty place remembered somewhere else would make things that stand there look as if they came.
+  void forget_moved_cells(std::span<const KeyframeMotion> motions) {
+    const double cell_m = options.empty.cell_size_m;
+    const auto moved = [&](const EmptySpace::Cell& cell) {
+      const auto after = std::ranges::upper_bound(view_of_keyframe, cell.seen.last, {}, &ViewOfKeyframe::first);
+      if (after == view_of_keyframe.begin()) return false;
+      const Rigid3* T_new_old = motion_of(motions, std::prev(after)->keyframe);
+      const Eigen::Vector3d p = (Eigen::Vector3d(cell.x, cell.y, cell.z) + Eigen::Vector3d::Constant(0.5)) * cell_m;
+      return T_new_old != nullptr && (*T_new_old * p - p).norm() > 0.5 * cell_m;
+    };
+    std::vector<EmptySpace::Cell> cells = empty.cells(0);
+    if (std::erase_if(cells, moved) == 0) return;
+    empty = EmptySpace(options.empty);
+    for (const EmptySpace::Cell& cell : cells) empty.restore(cell);
+  }
 
   const Extraction* extract(const LabelFrame* labels) {
     if (labels != nullptr) {
       builder.rectify_labels(*labels, class_image);
       return &extractor.from_classes(class_image, library.classes(), seen);
     }
-    if (!geometric()) return nullptr;
-    const std::vector<Segment>& segments = segmenter.segment(seen, instances);
-    const std::vector<std::uint16_t> class_of(segments.size(), kGeometricObject);
-    return &extractor.from_instances(instances, class_of, seen);
+    if (!by_geometry(options)) return nullptr;
+    const std::size_t count = segmenter.segment(seen, instances).size();
+    if (namer == nullptr) {
+      class_of.assign(count, {});
+      return &extractor.from_instances(instances, class_of, seen);
+    }
+    const TimeNs start = thread_cpu_now();
+    const std::int64_t asked = namer->counts().asked;
+    const std::vector<SegmentClass>& names = namer->name(seen, instances, count);
+    done.times.name_ms = ms(thread_cpu_now() - start);
+    done.times.asked = namer->counts().asked != asked;
+    return &extractor.from_instances(instances, names, seen);
   }
 
   void understand(const View& view, const LabelFrame* labels) {
     const TimeNs start = thread_cpu_now();
     done = {};
     done.stamp = newest_view = view.stamp();
+    correct(view);
     builder.build(view.frame, view.T_world_camera, seen);
     const Extraction* extraction = extract(labels);
     const TimeNs segmented = thread_cpu_now();
@@ -98,32 +149,45 @@ struct Understanding::Impl {
       done.beliefs = library.beliefs(step);
       done.owners = std::move(step.owners);
       associated = thread_cpu_now();
+      library.hang_on(view.reference_keyframe, view.stamp());
       integrate(structure, seen, kStructure, Rigid3{}, options.integrate);
+      structure_anchors.note(structure, view.reference_keyframe);
       empty.observe(seen);
     }
     const TimeNs end = thread_cpu_now();
-    done.times = {ms(segmented - start), ms(associated - segmented), ms(end - associated), ms(end - start)};
+    done.times.segment_ms = ms(segmented - start) - done.times.name_ms;
+    done.times.associate_ms = ms(associated - segmented);
+    done.times.integrate_ms = ms(end - associated);
+    done.times.total_ms = ms(end - start);
     list_objects();
   }
 
-  void list_objects() {
-    records.clear();
-    for (const auto& object : library.objects()) {
-      if (object->phase == ObjectPhase::confirmed) records.push_back(library.record_of(*object));
-    }
-  }
+  void list_objects() { records = library.standing(); }
 
   UnderstandingOptions options;
   DepthViewBuilder builder;
   Segmenter segmenter;
+  std::unique_ptr<SegmentNamer> namer;  // null: segments stay without names
   Extractor extractor;
   Volume structure;
+  StructureAnchors structure_anchors;
   EmptySpace empty;
+  struct Correction {
+    TimeNs stamp = 0;  // of the first view in the corrected map
+    std::vector<KeyframeMotion> motions;
+  };
+  std::deque<Correction> corrections;  // of views that wait
+  struct ViewOfKeyframe {
+    TimeNs first = 0;  // view that hung on it
+    std::int64_t keyframe = -1;
+  };
+  std::vector<ViewOfKeyframe> view_of_keyframe;  // in the order of time
   ObjectLibrary library;
   MeshCache structure_mesh{kMeshWeight};
   DepthView seen;
   ImageU8 class_image;
   ImageU16 instances;
+  std::vector<SegmentClass> class_of;
   LibraryStep step;
   LabelJoin join;
   Understood done;
@@ -135,8 +199,9 @@ struct Understanding::Impl {
 };
 
 Understanding::Understanding(const UnderstandingOptions& options, const SensorCalibration& calibration,
-                             ClassTable classes, const WorldContent* content)
-    : impl_(std::make_unique<Impl>(options, calibration, std::move(classes))) {
+                             ClassTable classes, const WorldContent* content, std::unique_ptr<SegmentNamer> namer)
+    : impl_(std::make_unique<Impl>(options, calibration, std::move(classes), std::move(namer))) {
+  EXPECTS((options.labels == "dnn") == (impl_->namer != nullptr));
   if (content != nullptr) impl_->restore(*content);
 }
 Understanding::~Understanding() = default;
@@ -146,6 +211,8 @@ void Understanding::tell_restored(std::vector<LandmarkOwner>& owners, std::vecto
 }
 
 void Understanding::add(View&& view) {
+  // Kept aside: a view may be dropped while it waits for labels, its corrections may not.
+  if (!view.corrections.empty()) impl_->corrections.push_back({view.stamp(), view.corrections});
   impl_->join.add(std::move(view));
 }
 void Understanding::add(const LabelFrame& labels) {
@@ -177,6 +244,13 @@ const std::vector<ObjectRecord>& Understanding::objects() const {
 }
 const LabelCounts& Understanding::labels() const {
   return impl_->join.counts();
+}
+
+NamingCounts Understanding::naming() const {
+  return impl_->namer == nullptr ? NamingCounts{} : impl_->namer->counts();
+}
+std::string Understanding::naming_error() const {
+  return impl_->namer == nullptr ? std::string() : impl_->namer->last_error();
 }
 
 void Understanding::mesh(Mesh& mesh) {

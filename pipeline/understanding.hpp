@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "pipeline/frames/calibration.hpp"
@@ -16,6 +17,7 @@
 #include "pipeline/objects/class_table.hpp"
 #include "pipeline/objects/label_join.hpp"
 #include "pipeline/objects/object_event.hpp"
+#include "pipeline/objects/segment_namer.hpp"
 #include "pipeline/objects/view.hpp"
 #include "pipeline/objects/world_rows.hpp"
 #include "pipeline/options.hpp"
@@ -23,7 +25,8 @@
 namespace povslam {
 
 struct UnderstandTimes {  // CPU of the calling thread [ms]
-  float segment_ms = 0.0F, associate_ms = 0.0F, integrate_ms = 0.0F, total_ms = 0.0F;
+  float segment_ms = 0.0F, name_ms = 0.0F, associate_ms = 0.0F, integrate_ms = 0.0F, total_ms = 0.0F;
+  bool asked = false;  // the network for names
 };
 
 struct Understood {  // of one view
@@ -37,9 +40,10 @@ struct Understood {  // of one view
 
 class Understanding {
  public:
-  // classes: of the labels that will come (unused by geometric segmentation). content: an earlier session's, or null.
+  // classes: of the labels that will come (unused by geometric segmentation and by names). content: an earlier
+  // session's, or null. namer: with labels = "dnn", of segments; null with any other.
   Understanding(const UnderstandingOptions& options, const SensorCalibration& calibration, ClassTable classes,
-                const WorldContent* content = nullptr);
+                const WorldContent* content = nullptr, std::unique_ptr<SegmentNamer> namer = nullptr);
   ~Understanding();
 
   // Of an earlier session, for the pipeline before its first frame: whose landmarks are whose, what is believed of all.
@@ -57,7 +61,9 @@ class Understanding {
 
   const std::vector<ObjectRecord>& objects() const;  // all that are not removed, as of the last step
   const LabelCounts& labels() const;
-  void mesh(Mesh& mesh);  // of everything that stands; slow the first time (only what changed is made anew)
+  NamingCounts naming() const;
+  std::string naming_error() const;  // the network's last; empty: none
+  void mesh(Mesh& mesh);             // of everything that stands; slow the first time (only what changed is made anew)
 
   WorldChange* take_change();  // as Pipeline::take_change
   WorldChange* collect_change();

@@ -56,8 +56,19 @@ DistanceComparison compare_distances(const Volume& volume, const DepthView& view
           static_cast<double>(sum.difference_units) / static_cast<double>(sum.voxels) * truncation_m / kDistanceUnits};
 }
 
-SurfaceLook look_at(std::span<const SurfacePoint> surface, const DepthView& view, const Rigid3& T_world_volume,
-                    double margin_m, const DepthNoise& noise) {
+namespace {
+
+PointLook judge(const Around& around) {
+  if (around.agree > 0) return PointLook::agrees;
+  if (around.beyond > 0 && around.before == 0) return PointLook::seen_through;
+  if (around.before > 0 && around.beyond == 0) return PointLook::hidden;
+  return PointLook::nothing;
+}
+
+// visit(index of the point, what it says, how far beyond it the nearest depth is) for those that face the camera.
+template <class Visit>
+void visit_facing(std::span<const SurfacePoint> surface, const DepthView& view, const Rigid3& T_world_volume,
+                  double margin_m, const DepthNoise& noise, const Visit& visit) {
   const Rigid3 T_camera_volume = view.T_world_camera.inverse() * T_world_volume;
   const Eigen::Matrix3f rotation = T_camera_volume.matrix3().cast<float>();
   const Eigen::Vector3f translation = T_camera_volume.translation.cast<float>();
@@ -66,30 +77,44 @@ SurfaceLook look_at(std::span<const SurfacePoint> surface, const DepthView& view
   const auto width = static_cast<float>(view.camera.width), height = static_cast<float>(view.camera.height);
   const auto least_m = static_cast<float>(std::max(view.min_depth_m, 1e-3)),
              most_m = static_cast<float>(view.max_depth_m);
-  SurfaceLook look;
-  double beyond_sum_m = 0.0;
-  for (const SurfacePoint& point : surface) {
-    const Eigen::Vector3f p = rotation * point.p_volume + translation;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const Eigen::Vector3f p = rotation * surface[i].p_volume + translation;
     if (!(p.z() >= least_m && p.z() <= most_m)) continue;
-    if (-(rotation * point.normal).dot(p) < kFacingCosine * p.norm()) continue;
+    if (-(rotation * surface[i].normal).dot(p) < kFacingCosine * p.norm()) continue;
     const float u = fx * p.x() / p.z() + cx + 0.5F, v = fy * p.y() / p.z() + cy + 0.5F;
     if (!(u >= 0.0F && v >= 0.0F && u < width && v < height)) continue;
-    ++look.facing;
     const float sigma = static_cast<float>(std::hypot(noise.quadratic_per_m * p.z() * p.z(), noise.floor_m));
     const float clearly_m = static_cast<float>(margin_m) + 3.0F * sigma;
     const Around around =
         measured_around(view.depth_m, static_cast<int>(u), static_cast<int>(v), p.z() - clearly_m, p.z() + clearly_m);
-    if (around.agree > 0) {
-      ++look.agree;
-    } else if (around.beyond > 0 && around.before == 0) {
-      ++look.seen_through;
-      beyond_sum_m += static_cast<double>(std::min(around.nearest_m - p.z(), kBeyondCap_m));
-    } else if (around.before > 0 && around.beyond == 0) {
-      ++look.hidden;
-    }
+    visit(i, judge(around), around.nearest_m - p.z());
   }
+}
+
+}  // namespace
+
+SurfaceLook look_at(std::span<const SurfacePoint> surface, const DepthView& view, const Rigid3& T_world_volume,
+                    double margin_m, const DepthNoise& noise) {
+  SurfaceLook look;
+  double beyond_sum_m = 0.0;
+  visit_facing(surface, view, T_world_volume, margin_m, noise, [&](std::size_t, PointLook says, float beyond_m) {
+    ++look.facing;
+    look.agree += says == PointLook::agrees ? 1 : 0;
+    look.hidden += says == PointLook::hidden ? 1 : 0;
+    if (says != PointLook::seen_through) return;
+    ++look.seen_through;
+    beyond_sum_m += static_cast<double>(std::min(beyond_m, kBeyondCap_m));
+  });
   if (look.seen_through > 0) look.mean_beyond_m = beyond_sum_m / look.seen_through;
   return look;
+}
+
+std::vector<PointLook> look_at_each(std::span<const SurfacePoint> surface, const DepthView& view,
+                                    const Rigid3& T_world_volume, double margin_m, const DepthNoise& noise) {
+  std::vector<PointLook> looks(surface.size(), PointLook::nothing);
+  visit_facing(surface, view, T_world_volume, margin_m, noise,
+               [&](std::size_t i, PointLook says, float) { looks[i] = says; });
+  return looks;
 }
 
 }  // namespace povslam

@@ -39,4 +39,9 @@ struct SurfaceLook {  // of an expected surface's points, facing the camera by m
 SurfaceLook look_at(std::span<const SurfacePoint> surface, const DepthView& view, const Rigid3& T_world_volume,
                     double margin_m, const DepthNoise& noise = {});
 
+// What look_at() counts, by point; nothing: it does not face the camera, or its pixels say neither.
+enum class PointLook : std::uint8_t { nothing, agrees, seen_through, hidden };
+std::vector<PointLook> look_at_each(std::span<const SurfacePoint> surface, const DepthView& view,
+                                    const Rigid3& T_world_volume, double margin_m, const DepthNoise& noise = {});
+
 }  // namespace povslam

@@ -34,7 +34,8 @@ double cost_of_another_side(const Observation& observation, const MapObject& obj
 Claim claim(const Observation& observation, const MapObject& object, const AssociateOptions& options) {
   Claim out;
   if (!near(observation, object, options)) return out;
-  if (observation.class_id != object.class_id()) return out;  // POCD: cost 1000, which is a veto
+  const bool other_class = observation.class_binds && observation.class_id != object.class_id();
+  if (other_class) return out;  // POCD: cost 1000, which is a veto
   out.registration = register_points(observation, object.volume, object.T_world_volume, options.inlier_m);
   const Registration& fit = out.registration;
   const double known = static_cast<double>(fit.known), inliers = static_cast<double>(fit.inliers);

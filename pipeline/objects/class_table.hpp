@@ -28,6 +28,10 @@ struct ObjectClass {
   std::array<std::uint8_t, 3> rgb{};
 };
 
+inline bool makes_objects(ClassKind kind) {
+  return kind == ClassKind::static_object || kind == ClassKind::semi_static;
+}
+
 // s of POCD's likelihood.
 inline bool is_stationary(ClassKind kind) {
   return kind == ClassKind::static_object || kind == ClassKind::structure;

@@ -6,6 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "pipeline/objects/box_fit.hpp"
+#include "pipeline/objects/object.hpp"
+
 namespace povslam {
 namespace {
 
@@ -46,6 +49,17 @@ void EventDesk::withdraw(std::int64_t object) {
   std::erase_if(found_, is_it);
 }
 
+void EventDesk::correct(std::span<const KeyframeMotion> motions) {
+  for (std::vector<PlaceChange>* changes : {&gone_, &came_, &found_}) {
+    for (PlaceChange& change : *changes) {
+      const Rigid3* T_new_old = motion_of(motions, change.keyframe);
+      if (T_new_old == nullptr) continue;
+      change.place.position = *T_new_old * change.place.position;
+      change.place.yaw = fold_half_turn(change.place.yaw + yaw_of(*T_new_old));
+    }
+  }
+}
+
 bool EventDesk::holds_gone(std::int64_t object) const {
   return std::any_of(gone_.begin(), gone_.end(),
                      [object](const PlaceChange& change) { return change.object == object; });
@@ -68,7 +82,7 @@ ObjectEvent EventDesk::make(ObjectEventType type, const PlaceChange& change, Tim
 
 // A turned box has its two horizontal extents in either order.
 bool EventDesk::alike(const PlaceChange& gone, const PlaceChange& came) const {
-  if (gone.class_name != came.class_name) return false;
+  if (gone.named && came.named && gone.class_name != came.class_name) return false;
   const Eigen::Vector3d &a = gone.size_m, &b = came.size_m;
   const auto same = [this](double p, double q) { return alike_extent(p, q, options_); };
   return same(a.z(), b.z()) &&
@@ -103,6 +117,7 @@ void EventDesk::pair_with_gone(std::vector<PlaceChange>& things, bool noticed, T
     }
     ObjectEvent event = make(ObjectEventType::moved, *to, now);
     event.object = from->object;
+    if (!to->named) event.class_name = from->class_name;
     event.from = from->place;
     event.probability = from->probability * to->probability;
     if (from->evidence.first_absent) event.evidence.first_absent = from->evidence.first_absent;

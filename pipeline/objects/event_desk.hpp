@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "pipeline/objects/appearance.hpp"
+#include "pipeline/objects/keyframe_motion.hpp"
 #include "pipeline/objects/object_event.hpp"
 
 namespace povslam {
@@ -12,6 +14,7 @@ namespace povslam {
 struct PlaceChange {  // a thing went from a place, or came to one
   std::int64_t object = -1;
   std::string class_name;
+  bool named = true;  // false: the class says nothing; it may be of any other
   ObjectPlace place;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   double consistency = 0.0;
@@ -19,6 +22,7 @@ struct PlaceChange {  // a thing went from a place, or came to one
   Evidence evidence;
   Appearance appearance;
   TimeNs decided = 0;
+  std::int64_t keyframe = -1;  // that the place hangs on; -1: on none
 };
 
 struct EventDeskOptions {
@@ -41,6 +45,8 @@ class EventDesk {
   void found(PlaceChange change);
   // A thing that was to come is none after all.
   void withdraw(std::int64_t object);
+  // Places that hang on keyframes that were moved move along.
+  void correct(std::span<const KeyframeMotion> motions);
   // Appends what is decided by now, in order of decision.
   void decide(TimeNs now, std::vector<ObjectEvent>& events);
   void decide_all(TimeNs now, std::vector<ObjectEvent>& events);

@@ -100,8 +100,8 @@ struct Extractor::Impl {
   double step_m(float z) const { return options.connect_m + options.connect_share * static_cast<double>(z); }
 
   // Components large enough become observations; owner ids of small ones are 0.
-  template <class ClassOf>
-  std::vector<std::uint16_t> observe(const DepthView& view, const ClassOf& class_of) {
+  template <class SetClass>
+  std::vector<std::uint16_t> observe(const DepthView& view, const SetClass& set_class) {
     const std::vector<Component>& components = finder.find(value, depth, options.connect_m, options.connect_share);
     std::vector<std::uint16_t> owner(components.size(), kNobody);
     for (std::size_t i = 0; i < components.size(); ++i) {
@@ -109,7 +109,7 @@ struct Extractor::Impl {
       if (4 * part.cells < options.min_pixels) continue;
       Observation thing;
       thing.owner = static_cast<std::uint16_t>(kFirstInstance + result.observations.size());
-      thing.class_id = class_of(part.value);
+      set_class(part.value, thing);
       thing.pixels = 4 * part.cells;
       thing.partial =
           part.x_min <= 1 || part.y_min <= 1 || part.x_max >= value.width() - 2 || part.y_max >= value.height() - 2;
@@ -232,12 +232,12 @@ const Extraction& Extractor::from_classes(const ImageU8& classes, const ClassTab
   impl_->fill_cells(classes, view, [&](std::uint8_t id) { return parts[id] == Part::thing; });
   impl_->write_structure(
       classes, [&](std::uint8_t id) { return parts[id] == Part::structure; }, view);
-  const auto owner = impl_->observe(view, [](std::uint16_t value) { return value; });
+  const auto owner = impl_->observe(view, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
   impl_->write_owner(classes, owner, view);
   return impl_->result;
 }
 
-const Extraction& Extractor::from_instances(const ImageU16& instances, const std::vector<std::uint16_t>& class_of,
+const Extraction& Extractor::from_instances(const ImageU16& instances, const std::vector<SegmentClass>& class_of,
                                             DepthView& view) {
   EXPECTS(instances.width() == view.camera.width && instances.height() == view.camera.height);
   impl_->result = {};
@@ -245,8 +245,12 @@ const Extraction& Extractor::from_instances(const ImageU16& instances, const std
   impl_->fill_cells(instances, view, [](std::uint16_t id) { return id >= kFirstInstance; });
   impl_->write_structure(
       instances, [](std::uint16_t id) { return id == kStructure; }, view);
-  const auto owner = impl_->observe(
-      view, [&](std::uint16_t value) { return class_of[static_cast<std::size_t>(value - kFirstInstance)]; });
+  const auto owner = impl_->observe(view, [&](std::uint16_t value, Observation& thing) {
+    const SegmentClass& named = class_of[static_cast<std::size_t>(value - kFirstInstance)];
+    thing.class_id = named.id;
+    thing.votes = named.votes;
+    thing.class_binds = false;
+  });
   impl_->write_owner(instances, owner, view);
   return impl_->result;
 }

@@ -7,6 +7,7 @@
 #include "pipeline/objects/class_table.hpp"
 #include "pipeline/objects/observation.hpp"
 #include "pipeline/objects/options.hpp"
+#include "pipeline/objects/segment_namer.hpp"
 
 namespace povslam {
 
@@ -23,8 +24,9 @@ class Extractor {
   // resolution, after erosion; parts of a class that a nearer thing divides are one. Writes view.owner.
   const Extraction& from_classes(const ImageU8& classes, const ClassTable& table, DepthView& view);
 
-  // instances: of the view's pixels, as in DepthView::owner; the class of instance i. Writes view.owner (eroded).
-  const Extraction& from_instances(const ImageU16& instances, const std::vector<std::uint16_t>& class_of,
+  // instances: of the view's pixels, as in DepthView::owner; the class of instance i, which does not bind: geometry
+  // told them apart. Writes view.owner (eroded).
+  const Extraction& from_instances(const ImageU16& instances, const std::vector<SegmentClass>& class_of,
                                    DepthView& view);
 
  private:

@@ -23,6 +23,7 @@ LabelJoin::LabelJoin(const LabelJoinOptions& options, const ClassTable& classes)
       tolerance_(from_seconds(0.5 * options.period_s)),
       width_(options.width),
       height_(options.height),
+      labels_come_(options.labels_come),
       views_(static_cast<std::size_t>(options.capacity)),
       kept_(kMaxKept) {
   EXPECTS(options.capacity >= 1 && width_ > 0 && height_ > 0 && max_latency_ >= 0 && tolerance_ >= 0);
@@ -55,7 +56,11 @@ void LabelJoin::add(View&& view) {
 void LabelJoin::add(const LabelFrame& labels) {
   ++counts_.received;
   const TimeNs stamp = labels.stamp;
-  if (!fits(labels) || from_future(stamp) || (newest_labels_ && stamp <= *newest_labels_)) {
+  if (!fits(labels)) {
+    ++counts_.wrong_size;
+    return;
+  }
+  if (from_future(stamp) || (newest_labels_ && stamp <= *newest_labels_)) {
     ++counts_.bad;
     return;
   }
@@ -76,7 +81,7 @@ LabelledView* LabelJoin::next() {
   std::swap(out_, waiting(0));
   pop_first();
   if (!out_.labelled) {
-    ++counts_.missing;
+    counts_.missing += labels_come_ ? 1 : 0;
     give_up(out_.view.stamp());
   }
   return &out_;

@@ -22,7 +22,8 @@ struct LabelCounts {
   std::int64_t late = 0;           // their view was given up before
   std::int64_t unmatched = 0;      // no view was taken at their stamp
   std::int64_t missing = 0;        // views that went on without labels
-  std::int64_t bad = 0;            // wrong size, not increasing, from the future
+  std::int64_t wrong_size = 0;     // not the images' shape, or larger
+  std::int64_t bad = 0;            // stamps that do not increase, or from the future
   std::int64_t dropped_views = 0;  // nobody took them and there was no more room, or stamps that do not increase
   std::int64_t unknown_ids = 0;    // pixels
 };
@@ -32,6 +33,7 @@ struct LabelJoinOptions {
   double max_latency_s = 3;      // a view waits so long
   double period_s = 1.0 / 30.0;  // of the camera
   int width = 0, height = 0;     // px, of its images
+  bool labels_come = true;       // false: nobody labels, so none are missing
 };
 
 struct LabelledView {
@@ -77,6 +79,7 @@ class LabelJoin {
 
   TimeNs max_latency_, tolerance_;
   int width_, height_;
+  bool labels_come_;
   std::array<bool, 256> known_{};
 
   std::vector<LabelledView> views_;  // ring

@@ -12,9 +12,6 @@
 namespace povslam {
 namespace {
 
-constexpr double kShapeLooks = 0.5;    // that make a surface point count…
-constexpr double kShapeShare = 0.3;    // …or this share of all, of a thing hardly seen
-constexpr double kAssumedDepth = 1.0;  // see refresh_shape
 constexpr TimeNs kEmptyBefore = kNsPerSecond;
 constexpr std::size_t kOldPlaces = 256;
 
@@ -28,10 +25,6 @@ bool may_be_seen(const Box& box, const DepthView& view, double max_depth_m) {
   const double down = (view.camera.height - view.camera.cy) / view.camera.fy, up = view.camera.cy / view.camera.fy;
   return p.x() / z < right + slack_x && p.x() / z > -left - slack_x && p.y() / z < down + slack_y &&
          p.y() / z > -up - slack_y;
-}
-
-double shape_weight(const MapObject& object) {
-  return std::min(kShapeLooks, kShapeShare * object.looks);
 }
 
 double look_weight(double depth_m, const IntegrateOptions& options) {
@@ -65,7 +58,7 @@ ObjectLibrary::ObjectLibrary(const ObjectOptions& options, const VolumeOptions& 
 
 const ObjectClass& ObjectLibrary::class_of(const MapObject& object) const {
   const ObjectClass* row = classes_.find(object.class_id());
-  return row == nullptr ? unknown_class_ : *row;
+  return row == nullptr || row->id == unknown_class_.id ? unknown_class_ : *row;
 }
 
 std::vector<MapObject*> ObjectLibrary::in_reach(const DepthView& view) const {
@@ -121,7 +114,7 @@ bool ObjectLibrary::contradicted(const SurfaceLook& look, const MapObject& objec
 void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
                          const SurfaceLook& look) {
   const Observation& first = extraction.observations[static_cast<std::size_t>(match.observations[0])];
-  ++object.class_votes[first.class_id];
+  object.class_votes[first.class_id] += first.votes;
   if (match.known_surface) {
     BeliefOptions belief = options_.belief;
     double noise = 0.0;
@@ -130,7 +123,11 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
     const double change_m = belief.lambda_diff * match.registration.mean_distance_m;
     object.belief = observe_change(object.belief, change_m, class_of(object), belief).belief;
   }
-  if (contradicted(look, object)) return;  // part of it is gone: its shape must not be painted over
+  if (contradicted(look, object)) {  // part of it is gone: its shape must not be painted over
+    doubt_part(match, object, extraction, view);
+    return;
+  }
+  object.part_belief.reset();
   if (std::ranges::find(doubted_, object.id) != doubted_.end()) return;
   object.last_seen = view.stamp;
   object.first_absent = object.last_absent = std::nullopt;
@@ -164,7 +161,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   const double extent = observation.box.size_m.maxCoeff();
   if (extent < object_class.min_extent_m || extent > object_class.max_extent_m) return;
   auto object = std::make_unique<MapObject>(next_id_++, volume_options_);
-  object->class_votes[observation.class_id] = 1;
+  object->class_votes[observation.class_id] = observation.votes;
   object->belief = initial_belief(object_class, options_.belief);
   object->T_world_volume = upright(observation.box.center, observation.box.yaw);
   object->first_seen = object->last_seen = view.stamp;
@@ -183,7 +180,7 @@ bool ObjectLibrary::inside_known(const Observation& observation, const std::vect
   constexpr double kGrow_m = 0.05;
   for (const MapObject* object : reach) {
     if (object->phase != ObjectPhase::confirmed || object->first_absent) continue;
-    if (object->class_id() != observation.class_id) continue;
+    if (observation.class_binds && object->class_id() != observation.class_id) continue;
     const Box box = object->box_world();
     std::size_t inside = 0;
     for (const Eigen::Vector3f& p : observation.points_world) inside += box.contains(p.cast<double>(), kGrow_m) ? 1 : 0;
@@ -224,6 +221,7 @@ double ObjectLibrary::share_that_came(const MapObject& object, const EmptySpace&
 
 void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
   if (object.phase != ObjectPhase::tentative || object.observations < options_.life.confirm_views) return;
+  if (!makes_objects(class_of(object).kind)) return;  // named so after it was begun
   if (std::ssize(object.surface) < options_.extract.min_points) return;
   object.phase = ObjectPhase::confirmed;
   Evidence evidence;
@@ -290,20 +288,25 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     const bool tentative = object->phase == ObjectPhase::tentative;
     const bool forgotten = tentative && now - object->last_seen > from_seconds(options_.life.forget_tentative_s);
     const bool unbelieved = object->belief.expected_consistency() < options_.belief.remove_below;
-    if (!forgotten && !unbelieved) continue;
+    const bool no_object = !tentative && !makes_objects(class_of(*object).kind);
+    if (!forgotten && !unbelieved && !no_object) continue;
     dropped.push_back(object->id);
     heirs.push_back(object->last_absent ? LandmarkOwner::kGone : LandmarkOwner::kNobody);
     desk_.withdraw(object->id);
-    if (tentative || !object->last_absent) continue;
+    if (tentative || no_object || !object->last_absent) continue;
     PlaceChange change = change_of(*object, now);
     change.probability = 1.0 - object->belief.expected_consistency();
     change.evidence.first_absent = object->first_absent;
     change.evidence.last_absent = object->last_absent;
     desk_.gone(std::move(change));
-    old_places_.push_back({object->box_world(), object->last_seen});
-    if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
+    remember_place(*object);
   }
   for (std::size_t i = 0; i < dropped.size(); ++i) erase(dropped[i], heirs[i], step);
+}
+
+void ObjectLibrary::remember_place(const MapObject& object) {
+  old_places_.push_back({object.box_world(), object.last_seen, object.keyframe});
+  if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
 }
 
 void ObjectLibrary::erase(std::int64_t id, std::int64_t heir, LibraryStep& step) {
@@ -348,6 +351,7 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   const Box box = object.box_world();
   change.object = object.id;
   change.class_name = class_of(object).name;
+  change.named = object.class_id() != kUnnamedThing;
   change.place = {box.center, box.yaw};
   change.size_m = box.size_m;
   change.consistency = object.belief.expected_consistency();
@@ -355,6 +359,7 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   change.evidence.last_present = object.last_seen;
   change.appearance = appearance_of(object.volume);
   change.decided = now;
+  change.keyframe = object.keyframe;
   return change;
 }
 
@@ -415,27 +420,6 @@ void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow*
   for (const std::int64_t landmark : record.landmarks) owner_of_landmark_[landmark] = {record.id, -1};
   next_id_ = std::max(next_id_, record.id + 1);
   objects_.push_back(std::move(object));
-}
-
-ObjectRecord ObjectLibrary::record_of(const MapObject& object) const {
-  const Box box = object.box_world();
-  ObjectRecord record;
-  record.id = object.id;
-  record.phase = object.phase;
-  record.class_name = class_of(object).name;
-  record.place = {box.center, box.yaw};
-  record.size_m = box.size_m;
-  record.belief = object.belief;
-  record.first_seen = object.first_seen;
-  record.last_seen = object.last_seen;
-  record.first_absent = object.first_absent;
-  record.last_absent = object.last_absent;
-  record.observations = object.observations;
-  for (const auto& [landmark, owned] : owner_of_landmark_) {
-    if (owned.object == object.id) record.landmarks.push_back(landmark);
-  }
-  std::sort(record.landmarks.begin(), record.landmarks.end());
-  return record;
 }
 
 }  // namespace povslam

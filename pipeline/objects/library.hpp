@@ -12,6 +12,7 @@
 #include "pipeline/objects/associate.hpp"
 #include "pipeline/objects/event_desk.hpp"
 #include "pipeline/objects/extract.hpp"
+#include "pipeline/objects/keyframe_motion.hpp"
 #include "pipeline/objects/view.hpp"
 #include "pipeline/objects/world_rows.hpp"
 
@@ -40,6 +41,10 @@ class ObjectLibrary {
   void claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view, LibraryStep& step);
   // Objects that tracking sees and does not believe where they were: their shapes are left alone until it does again.
   void doubt(const std::vector<std::int64_t>& objects) { doubted_ = objects; }
+  // What the view of this stamp saw hangs on this keyframe from now on.
+  void hang_on(std::int64_t keyframe, TimeNs stamp);
+  // Keyframes were moved (a loop was closed): what hangs on them moves along in x, y, z and yaw. Tells nothing.
+  void correct(std::span<const KeyframeMotion> motions);
   // Decides what was held back (end of a session).
   void finish(LibraryStep& step);
 
@@ -53,11 +58,13 @@ class ObjectLibrary {
   void restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks);
   void restore(const WorldMeta& meta);
   ObjectRecord record_of(const MapObject& object) const;
+  std::vector<ObjectRecord> standing() const;  // of all that are confirmed
 
  private:
   std::vector<MapObject*> in_reach(const DepthView& view) const;
   void take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
             const SurfaceLook& look);
+  void doubt_part(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view);
   void miss(MapObject& object, const SurfaceLook& look, TimeNs now);
   bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const;
   bool stands_in_old_place(const MapObject& object) const;
@@ -72,6 +79,8 @@ class ObjectLibrary {
   void erase(std::int64_t id, std::int64_t heir, LibraryStep& step);
   ObjectBelief belief_of(const MapObject& object) const;
   void rename(std::int64_t came, std::int64_t gone, LibraryStep& step);
+  void remember_place(const MapObject& object);
+  ObjectRecord record_without_landmarks(const MapObject& object) const;
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
@@ -93,6 +102,7 @@ class ObjectLibrary {
   struct OldPlace {  // of an object that went
     Box box;
     TimeNs last_present = 0;
+    std::int64_t keyframe = -1;  // MapObject's
   };
   std::vector<OldPlace> old_places_;  // the latest
   std::vector<std::int64_t> doubted_;

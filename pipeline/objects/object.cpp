@@ -10,7 +10,7 @@ namespace {
 constexpr double kBoxTrim = 0.01;
 
 // How much of the surface faces along +x, -x, +y, -y of the box.
-std::array<int, 4> seen_sides(const std::vector<SurfacePoint>& surface, double yaw) {
+std::array<int, 4> seen_sides(std::span<const SurfacePoint> surface, double yaw) {
   std::array<int, 4> seen{};
   const Eigen::Vector2f x(static_cast<float>(std::cos(yaw)), static_cast<float>(std::sin(yaw)));
   const Eigen::Vector2f y(-x.y(), x.x());
@@ -52,6 +52,11 @@ Rigid3 upright(const Eigen::Vector3d& position, double yaw) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), position};
 }
 
+double shape_weight(const MapObject& object) {
+  constexpr double kLooks = 0.5, kShare = 0.3;  // of all, of a thing hardly seen
+  return std::min(kLooks, kShare * object.looks);
+}
+
 std::uint16_t MapObject::class_id() const {
   const auto most = std::max_element(class_votes.begin(), class_votes.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -62,21 +67,26 @@ Box MapObject::moved(const Box& box, const Rigid3& T) {
   return {T * box.center, box.size_m, fold_half_turn(box.yaw + yaw_of(T))};
 }
 
-void refresh_shape(MapObject& object, double min_weight, double assumed_depth) {
-  object.surface = surface_points(object.volume, min_weight);
-  object.missed.assign(object.surface.size(), 0);
+std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double assumed_depth) {
   std::vector<Eigen::Vector3f> all, sides;
-  for (const SurfacePoint& point : object.surface) {
+  for (const SurfacePoint& point : surface) {
     all.push_back(point.p_volume);
     if (std::abs(point.normal.z()) < 0.5F) sides.push_back(point.p_volume);
   }
-  if (all.size() < 3) return;
+  if (all.size() < 3) return std::nullopt;
   const double yaw = fit_box(3 * sides.size() >= all.size() ? sides : all, kBoxTrim).yaw;
-  object.box = fit_box_at(all, yaw, kBoxTrim);
-  const std::array<int, 4> seen = seen_sides(object.surface, yaw);
-  const Eigen::Vector3d size = object.box.size_m;
-  assume_depth(object.box, 0, seen[0], seen[1], assumed_depth_m(size.y(), size.z(), assumed_depth));
-  assume_depth(object.box, 1, seen[2], seen[3], assumed_depth_m(size.x(), size.z(), assumed_depth));
+  Box box = fit_box_at(all, yaw, kBoxTrim);
+  const std::array<int, 4> seen = seen_sides(surface, yaw);
+  const Eigen::Vector3d size = box.size_m;
+  assume_depth(box, 0, seen[0], seen[1], assumed_depth_m(size.y(), size.z(), assumed_depth));
+  assume_depth(box, 1, seen[2], seen[3], assumed_depth_m(size.x(), size.z(), assumed_depth));
+  return box;
+}
+
+void refresh_shape(MapObject& object, double min_weight, double assumed_depth) {
+  object.surface = surface_points(object.volume, min_weight);
+  object.missed.assign(object.surface.size(), 0);
+  if (const auto box = box_of_surface(object.surface, assumed_depth)) object.box = *box;
 }
 
 }  // namespace povslam

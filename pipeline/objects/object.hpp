@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/mapping/compare.hpp"
@@ -23,10 +24,14 @@ struct MapObject {
   Volume volume;
   Rigid3 T_world_volume;              // upright: turned about z only
   std::vector<SurfacePoint> surface;  // of the volume as it is, in the volume's frame
-  std::vector<std::uint8_t> missed;   // by surface point: views in a row that saw through it
-  Box box;                            // of the surface, in the volume's frame
+  std::vector<std::uint8_t> missed;   // by surface point: views in a row that saw through it (part_change)
+  std::optional<Belief>
+      part_belief;  // that the part seen through is still there; none: it all stands, or all is missed
+  std::optional<TimeNs> part_first_absent;
+  Box box;  // of the surface, in the volume's frame
 
   TimeNs first_seen = 0, last_seen = 0;
+  std::int64_t keyframe = -1;  // of the tracker's map, that the view hung on which saw it last; -1: not in this session
   std::optional<TimeNs> first_absent, last_absent;  // since it was last seen in its place
   int observations = 0;
   double looks = 0.0;      // sum over its views of a look's weight at its depth (kGoodSigma_m)
@@ -42,8 +47,13 @@ struct MapObject {
 double yaw_of(const Rigid3& T);  // of an upright motion
 Rigid3 upright(const Eigen::Vector3d& position, double yaw);
 
+double shape_weight(const MapObject& object);  // looks that make a point of its surface count
+inline constexpr double kAssumedDepth = 1.0;   // see refresh_shape
+
 // Surface and box anew, after the volume changed. Of what was seen from one side only the depth is assumed: as much as
 // `assumed_depth` of its smaller visible extent.
 void refresh_shape(MapObject& object, double min_weight, double assumed_depth);
+// The box of such a surface, in its frame; nothing of fewer than 3 points.
+std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double assumed_depth);
 
 }  // namespace povslam

@@ -41,6 +41,7 @@ struct LifeOptions {
   double empty_share = 0.25;         // of a new object's surface, standing where it was seen empty before: it came
   double hold_s = 8.0;               // an event waits so long for its other half (gone and came make moved)
   double merge_overlap = 0.5;        // of the smaller box
+  double part_min_m = 0.2;           // a part this large in two directions that went is a change of its own; 0: none is
 };
 
 struct ObjectOptions {

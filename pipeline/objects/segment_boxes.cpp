@@ -42,13 +42,14 @@ std::vector<DetectedBox> decode_yolox(std::span<const float> rows, int input_px,
   if (rows.size() != expected * length) return {};
   std::vector<DetectedBox> boxes;
   const float* row = rows.data();
+  const auto min_score = static_cast<float>(options.min_score);
   for (const int stride : kStrides) {
     const int cells = input_px / stride;
     for (int cell = 0; cell < cells * cells; ++cell, row += length) {
-      if (!(row[4] >= options.min_score)) continue;
+      if (!(row[4] >= min_score)) continue;
       const float* best = std::max_element(row + 5, row + length);
       const float score = row[4] * *best, unit = static_cast<float>(stride) / scale;
-      if (!(score >= options.min_score && row[2] < kLargestLog && row[3] < kLargestLog)) continue;
+      if (!(score >= min_score && row[2] < kLargestLog && row[3] < kLargestLog)) continue;
       const float width = std::exp(row[2]) * unit, height = std::exp(row[3]) * unit;
       const float x = (row[0] + static_cast<float>(cell % cells)) * unit - 0.5F * width;
       const float y = (row[1] + static_cast<float>(cell / cells)) * unit - 0.5F * height;
@@ -56,7 +57,7 @@ std::vector<DetectedBox> decode_yolox(std::span<const float> rows, int input_px,
       boxes.push_back({static_cast<int>(best - row - 5), score, x, y, width, height});
     }
   }
-  return without_doubles(std::move(boxes), options.max_overlap);
+  return without_doubles(std::move(boxes), static_cast<float>(options.max_overlap));
 }
 
 }  // namespace povslam

@@ -17,8 +17,8 @@ struct DetectedBox {
 float intersection_over_union(const DetectedBox& a, const DetectedBox& b);
 
 struct BoxOptions {
-  float min_score = 0.3F;
-  float max_overlap = 0.45F;  // of two boxes of one class; the weaker is a double
+  double min_score = 0.3;
+  double max_overlap = 0.45;  // of two boxes of one class; the weaker is a double
 };
 
 // rows: for strides 8, 16, 32 the cells of a square input of input_px row by row, each x, y, log width, log height,

@@ -1,8 +1,7 @@
 // A detector of common things (YOLOX-nano, or another YOLOX in ONNX without decoding) through OpenCV's DNN.
 //
-// Slow (0.15 core seconds an image): for a thread of its own, at 1 or 2 Hz. A file that is broken in odd ways can crash
-// OpenCV's importer: load at start, where that is seen at once. One thread at a time. Whoever runs it decides with
-// cv::setNumThreads how many threads OpenCV may use; that is one setting for the process.
+// Slow (0.15 core seconds an image): not for the tracking thread. A file that is broken in odd ways can crash OpenCV's
+// importer: try it in another process first (daemon/config_file_network). One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +18,10 @@ namespace povslam {
 // Class indices are those of the model: COCO's 80 classes in the usual order for the published ones.
 class SegmentNetwork {
  public:
-  // onnx: the content of the model's file. Runs the network once, so that a model of another kind is refused here and
-  // the first image takes no longer than others. The error's message lacks the file's name: the caller knows it.
-  static Result<SegmentNetwork> load(std::span<const std::uint8_t> onnx, const BoxOptions& options);
+  // onnx: the content of the model's file. input_px: edge of the square input it was exported for, a multiple of 32.
+  // Runs the network once, so that a model of another kind is refused here and the first image takes no longer than
+  // others. The error's message lacks the file's name: the caller knows it.
+  static Result<SegmentNetwork> load(std::span<const std::uint8_t> onnx, const BoxOptions& options, int input_px = 416);
   SegmentNetwork(SegmentNetwork&&) noexcept;
   SegmentNetwork& operator=(SegmentNetwork&&) noexcept;
   ~SegmentNetwork();
@@ -30,6 +30,9 @@ class SegmentNetwork {
   Result<std::vector<DetectedBox>> detect(const ImageU8& color);
 
   int num_classes() const;
+
+  // How many threads OpenCV may use for whatever it does: one setting for the process.
+  static void limit_threads(int count);
 
  private:
   struct Impl;

@@ -6,6 +6,7 @@
 #include "pipeline/frames/rgbd_frame.hpp"
 #include "pipeline/geometry/rigid.hpp"
 #include "pipeline/objects/class_table.hpp"
+#include "pipeline/objects/keyframe_motion.hpp"
 #include "pipeline/objects/object_event.hpp"
 
 namespace povslam {
@@ -24,6 +25,10 @@ struct View {
   Matrix6d covariance = Matrix6d::Zero();  // of T_world_camera (see Rigid3)
   bool trusted = false;                    // the tracker's state was OK
   std::uint32_t map_version = 0;
+  std::int64_t reference_keyframe = -1;  // that its pose hangs on; -1: on none, it will never be corrected
+  // Keyframes that earlier views hung on and that were moved since the view before, by ascending keyframe: this view's
+  // pose is one of the corrected map, theirs are not.
+  std::vector<KeyframeMotion> corrections;
   std::vector<SeenLandmark> landmarks;
   std::vector<std::int64_t> doubted;  // objects that are seen and not believed to be where they were
 
@@ -34,7 +39,7 @@ struct View {
 struct LandmarkOwner {
   static constexpr std::int64_t kStructure = 0;  // floor, walls, racks; ids of objects are greater
   static constexpr std::int64_t kNobody = -1;    // not known
-  static constexpr std::int64_t kGone = -2;    // it was part of something that is not there any more
+  static constexpr std::int64_t kGone = -2;      // it was part of something that is not there any more
   std::int64_t landmark = -1;
   std::int32_t slot = -1;  // see SeenLandmark; -1: an earlier session's landmark, not seen in this one
   std::int64_t object = kNobody;

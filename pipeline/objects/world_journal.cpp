@@ -58,12 +58,15 @@ void WorldJournal::collect_objects(const ObjectLibrary& library, WorldChange& ch
     collect_blocks(object->volume, object->id, told->second.blocks, change);
     ToldObject& was = told->second;
     const Belief& belief = object->belief;
-    if (!fresh && was.observations == object->observations && was.alpha == belief.alpha && was.beta == belief.beta) {
-      continue;
-    }
+    const Rigid3& T_world_volume = object->T_world_volume;
+    const bool same_place = was.position == T_world_volume.translation && was.yaw == yaw_of(T_world_volume);
+    const bool same_belief = was.alpha == belief.alpha && was.beta == belief.beta;
+    if (!fresh && was.observations == object->observations && same_belief && same_place) continue;
     was.observations = object->observations;
     was.alpha = belief.alpha;
     was.beta = belief.beta;
+    was.position = T_world_volume.translation;
+    was.yaw = yaw_of(T_world_volume);
     change.objects.push_back({library.record_of(*object), object->volume.options().voxel_size_m,
                               object->volume.options().truncation_m, object->T_world_volume, true});
   }

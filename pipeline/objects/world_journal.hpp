@@ -29,6 +29,8 @@ class WorldJournal {
   struct ToldObject {
     int observations = 0;
     double alpha = 0.0, beta = 0.0;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    double yaw = 0.0;
     Told blocks;
   };
   void collect_blocks(const Volume& volume, std::int64_t id, Told& told, WorldChange& change);

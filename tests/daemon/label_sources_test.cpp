@@ -21,6 +21,7 @@ TEST(LabelSources, AreNoneWhenTheConfigurationAsksForNone) {
   EXPECT_FALSE((*sources)->any());
   (*sources)->offer(image_at(1));
   EXPECT_FALSE((*sources)->try_pop());
+  EXPECT_TRUE((*sources)->health().empty());
   EXPECT_EQ((*sources)->socket().offered, 0);
 }
 
@@ -41,6 +42,12 @@ TEST(LabelSources, ListenWhereTheConfigurationSays) {
   ASSERT_TRUE(soon([&] { return (labels = (*sources)->try_pop()).has_value(); }));
   EXPECT_EQ(labels->stamp, 9);
   EXPECT_EQ((*sources)->socket().labels, 1);
+  const std::vector<LabelSourceHealth> health = (*sources)->health();
+  ASSERT_EQ(health.size(), 1U);
+  EXPECT_EQ(health[0].name, "socket");
+  EXPECT_TRUE(health[0].connected);
+  EXPECT_EQ(health[0].offered, 1);
+  EXPECT_EQ(health[0].labels, 1);
 }
 
 TEST(LabelSources, SayWhichKeyIsWrong) {

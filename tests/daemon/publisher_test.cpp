@@ -116,6 +116,9 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   health.understanding = {.views = 20, .views_dropped = 2, .labels_dropped = 1, .news = {}, .view_ms = {25.0, 40.0}};
   health.understanding.news.objects = 9;
   health.understanding.news.labels.late = 4;
+  health.understanding.news.labels.wrong_size = 3;
+  health.understanding.news.naming = {30, 1, 12};
+  health.understanding.news.label_sources = {{"socket", true, true, 50, 40, 30, 2, 1}, {"lcm"}};
   auto publisher = open();
   publisher->on_health(health);
   publisher->on_health(health);
@@ -136,6 +139,14 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   EXPECT_EQ(messages[0].views_dropped, 2);
   EXPECT_EQ(messages[0].labels_dropped, 1);
   EXPECT_EQ(messages[0].labels_late, 4);
+  EXPECT_EQ(messages[0].labels_wrong_size, 3);
+  EXPECT_EQ(messages[0].naming_failed, 1);
+  ASSERT_EQ(messages[0].num_label_sources, 2);
+  EXPECT_EQ(messages[0].label_sources[0].name, "socket");
+  EXPECT_EQ(messages[0].label_sources[0].silent, 1);
+  EXPECT_EQ(messages[0].label_sources[0].malformed, 1);
+  EXPECT_EQ(messages[0].label_sources[1].connected, 0);
+  EXPECT_LT(messages[0].getEncodedSize(), 1350) << "LCM loses messages of more than one datagram";
   EXPECT_EQ(messages[0].objects, 9);
   EXPECT_EQ(messages[0].understand_p99_ms, 40.0);
   EXPECT_EQ(messages[0].map_commit_age_s, 61.0);

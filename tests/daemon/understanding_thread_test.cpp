@@ -7,6 +7,7 @@
 
 #include "daemon/store_thread.hpp"
 #include "tests/support/fake_mind.hpp"
+#include "tests/support/log_text.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace povslam {
@@ -67,6 +68,18 @@ class UnderstandingThreadTest : public testing::Test {
   FakeMind mind_;
   Heard heard_;
 };
+
+TEST_F(UnderstandingThreadTest, SaysOnceThatTheNetworkFails) {
+  const LogText log;
+  mind_.names_failed = 3;
+  auto thread = start();
+  ASSERT_TRUE(hand_over(1));
+  ASSERT_TRUE(hand_over(2));
+  thread->finish();
+  EXPECT_EQ(listen().news.naming.failed, 3);
+  EXPECT_THAT(log.text(), testing::HasSubstr("out of memory"));
+  EXPECT_EQ(log.lines(), 1);
+}
 
 TEST_F(UnderstandingThreadTest, UnderstandsEachViewAndTellsWhatCameOfIt) {
   const auto thread = start();

@@ -51,6 +51,9 @@ class FakeMind {
   }
   const std::vector<ObjectRecord>& objects() const { return objects_; }
   const LabelCounts& labels() const { return counts_; }
+  std::atomic<int> names_failed{0};
+  NamingCounts naming() const { return {views, names_failed, 0}; }
+  std::string naming_error() const { return "out of memory"; }
 
   WorldChange* take_change() { return nullptr; }  // too little time has passed
   WorldChange* collect_change() {

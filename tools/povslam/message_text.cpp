@@ -33,6 +33,14 @@ long long ll(std::int64_t value) {
   return value;
 }
 
+std::string source_part(const label_source_t& s) {
+  std::string text = ", label source " + s.name + (s.connected != 0 ? "" : " (nobody there)");
+  text += format(" %lld labels of %lld images", ll(s.labels), ll(s.offered));
+  if (s.dropped > 0) text += format(", %lld dropped", ll(s.dropped));
+  if (s.malformed > 0) text += format(", %lld malformed", ll(s.malformed));
+  return s.silent != 0 ? text + ", IT IS SILENT" : text;
+}
+
 std::string understanding_part(const health_t& m) {
   if (m.views == 0 && m.views_dropped == 0) return "";
   std::string text =
@@ -40,11 +48,20 @@ std::string understanding_part(const health_t& m) {
              ll(m.views), ll(m.views_understood), m.understand_p50_ms, m.understand_p99_ms);
   if (m.views_dropped > 0) text += format(", dropped %lld views", ll(m.views_dropped));
   if (m.labels_received > 0) text += format(", labels %lld joined %lld", ll(m.labels_received), ll(m.labels_joined));
-  const std::pair<std::int64_t, const char*> faults[] = {
-      {m.labels_late, "late"}, {m.labels_missing, "missing"}, {m.labels_bad, "bad"}, {m.labels_dropped, "dropped"}};
+  const std::pair<std::int64_t, const char*> faults[] = {{m.labels_late, "late"},
+                                                         {m.labels_missing, "missing"},
+                                                         {m.labels_wrong_size, "of a wrong size"},
+                                                         {m.labels_bad, "bad"},
+                                                         {m.labels_dropped, "dropped"}};
   for (const auto& [count, what] : faults) {
     if (count > 0) text += format(", %lld labels %s", ll(count), what);
   }
+  for (const label_source_t& source : m.label_sources) text += source_part(source);
+  if (m.naming_asked > 0) {
+    text += format(", network asked %lld times, %.0f ms, %lld segments named", ll(m.naming_asked), m.naming_last_ms,
+                   ll(m.segments_named));
+  }
+  if (m.naming_failed > 0) text += format(", THE NETWORK FAILED %lld times", ll(m.naming_failed));
   return text;
 }
 

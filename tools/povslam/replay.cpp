@@ -18,7 +18,7 @@ struct ReplayArguments {
   std::string sequence, out, config, camera, frames, start, map;
   std::vector<std::string> overrides;
   bool realtime = false;
-  std::string mode, poses = "estimated", labels = "auto";
+  std::string mode, poses = "estimated", labels;
 };
 
 constexpr int kFailure = 1;
@@ -29,13 +29,11 @@ int complain(const std::string& message, int exit_code) {
   return exit_code;
 }
 
-DriverOptions driver_options(const ReplayArguments& arguments) {
+DriverOptions driver_options(const ReplayArguments& arguments, const std::string& labels) {
   DriverOptions options{{"path", arguments.sequence}, {"realtime", arguments.realtime ? "true" : "false"}};
   if (!arguments.camera.empty()) options["camera"] = arguments.camera;
   if (!arguments.frames.empty()) options["frames"] = arguments.frames;
-  if (arguments.labels == "auto" || arguments.labels == "replay") {
-    options["labels"] = arguments.labels == "auto" ? "auto" : "true";
-  }
+  if (labels == "auto" || labels == "replay") options["labels"] = labels == "auto" ? "auto" : "true";
   return options;
 }
 
@@ -43,7 +41,7 @@ Result<ReplaySettings> settings_from(const ReplayArguments& arguments) {
   Result<AppConfig> config = load_config(arguments.config, arguments.overrides);
   if (!config) return config.error();
   ReplaySettings settings{std::move(*config), std::nullopt, arguments.map, {}};
-  settings.config.pipeline.understanding.labels = arguments.labels;
+  if (!arguments.labels.empty()) settings.config.pipeline.understanding.labels = arguments.labels;
   if (!arguments.mode.empty()) settings.config.pipeline.mode = arguments.mode;
   if (arguments.poses == "groundtruth") {
     if (arguments.realtime) return Error{"--poses groundtruth: not together with --realtime"};
@@ -74,7 +72,7 @@ int replay(const ReplayArguments& arguments) {
   cv::setNumThreads(1);  // OpenCV's pool would add threads that nobody asked for, also beside --realtime's
   const Result<ReplaySettings> settings = settings_from(arguments);
   if (!settings) return complain(settings.error().message, kBadUsage);
-  auto driver = make_driver("replay", driver_options(arguments));
+  auto driver = make_driver("replay", driver_options(arguments, settings->config.pipeline.understanding.labels));
   if (!driver) return complain(driver.error().message, kBadUsage);
   const Status folder = make_output_folder(arguments.out, arguments.sequence);
   if (!folder) return complain(folder.error().message, kBadUsage);
@@ -116,9 +114,11 @@ void add_replay(CLI::App& app, int& exit_code) {
           "estimated: poses come from tracking; groundtruth: objects and map are made with the recording's true poses")
       ->check(CLI::IsMember({"estimated", "groundtruth"}));
   command
-      ->add_option("--labels", arguments->labels,
-                   "What tells things apart. auto: the recording's labels if it has any, else geometric; off: nothing")
-      ->check(CLI::IsMember({"auto", "replay", "geometric", "off"}));
+      ->add_option(
+          "--labels", arguments->labels,
+          "What tells things apart, else understanding.labels. auto: the recording's labels if it has any, else "
+          "geometric; dnn: geometric, named by the network of network.file; off: nothing")
+      ->check(CLI::IsMember({"auto", "replay", "geometric", "dnn", "off"}));
   command->callback([arguments, &exit_code] { exit_code = replay(*arguments); });
 }
 

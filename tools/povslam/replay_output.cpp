@@ -78,6 +78,19 @@ Json metrics_json(const ReplayRecord& record) {
                  {"doubted", record.vem.doubted},
                  {"believed_again", record.vem.believed_again},
                  {"corrections", record.vem.corrections}};
+  json["labels"] = {{"received", record.labels.received},
+                    {"joined", record.labels.joined},
+                    {"late", record.labels.late},
+                    {"unmatched", record.labels.unmatched},
+                    {"missing", record.labels.missing},
+                    {"wrong_size", record.labels.wrong_size},
+                    {"bad", record.labels.bad},
+                    {"dropped", record.labels_dropped},
+                    {"unknown_pixels", record.labels.unknown_ids}};
+  json["views"] = {{"understood", record.views_understood},
+                   {"dropped", record.views_dropped + record.labels.dropped_views}};
+  json["naming"] = {
+      {"asked", record.naming.asked}, {"failed", record.naming.failed}, {"segments_named", record.naming.named}};
   json["wall_s"] = record.wall_s;
   json["cpu_s"] = record.cpu_s;
   json["tracking_cpu_s"] = record.tracking_cpu_s;

@@ -5,6 +5,7 @@
 
 #include "daemon/app.hpp"
 #include "daemon/config_file_classes.hpp"
+#include "daemon/config_file_network.hpp"
 #include "daemon/stop_signal.hpp"
 #include "daemon/store.hpp"
 #include "pipeline/base/log.hpp"
@@ -53,8 +54,10 @@ class Recorder {
   void add_understood(const Understood& done) {
     const auto stage = [this](Stage s, float ms) { record_.stages_ms[static_cast<std::size_t>(s)].push_back(ms); };
     stage(Stage::segment, done.times.segment_ms);
+    if (done.times.asked) stage(Stage::name, done.times.name_ms);
     stage(Stage::associate, done.times.associate_ms);
     stage(Stage::integrate, done.times.integrate_ms);
+    ++record_.views_understood;
     add_events(done);
   }
   void add_events(const Understood& done) {
@@ -64,6 +67,8 @@ class Recorder {
   void add_world(Understanding& understanding) {
     record_.objects = understanding.objects();
     record_.labels = understanding.labels();
+    record_.naming = understanding.naming();
+    if (record_.naming.failed > 0) log::warn("the network that names things failed: {}", understanding.naming_error());
     understanding.mesh(record_.mesh);
   }
 
@@ -106,7 +111,7 @@ class RecordingSink : public Sink {
 class SingleThread {
  public:
   SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body,
-               ClassTable classes, OpenedStore* map)
+               ClassTable classes, std::unique_ptr<SegmentNamer> namer, OpenedStore* map)
       : backend_options_(settings.config.pipeline.backend),
         store_(map == nullptr ? nullptr : &map->store),
         pipeline_(pipeline_options(settings), calibration, T_world_body, begun_with(map)),
@@ -116,7 +121,7 @@ class SingleThread {
         view_period_(from_seconds(settings.config.pipeline.understanding.period_s)) {
     if (settings.config.pipeline.understanding.labels == "off") return;
     understanding_.emplace(settings.config.pipeline.understanding, calibration, std::move(classes),
-                           map == nullptr ? nullptr : &map->world);
+                           map == nullptr ? nullptr : &map->world, std::move(namer));
     pipeline_.take_restored(*understanding_);
   }
 
@@ -168,6 +173,8 @@ class SingleThread {
     if (T_world_camera) {
       view_.T_world_camera = *T_world_camera;
       view_.trusted = true;
+      view_.reference_keyframe = -1;  // the truth needs no correction
+      view_.corrections.clear();
       next_true_view_ = frame.stamp + view_period_;
     }
     understanding_->add(std::move(view_));
@@ -282,7 +289,13 @@ Result<ReplayRecord> replay_in_one_thread(const ReplaySettings& settings, Driver
   ReplaySettings chosen = settings;
   std::string& labels = chosen.config.pipeline.understanding.labels;
   if (labels == "auto") labels = setup->label_table ? "replay" : "geometric";
-  SingleThread journey(chosen, calibration, T_world_body, std::move(*classes), map ? &*map : nullptr);
+  std::unique_ptr<SegmentNamer> namer;
+  if (labels == "dnn") {
+    auto loaded = load_namer(chosen.config);
+    if (!loaded) return loaded.error();
+    namer = std::move(*loaded);
+  }
+  SingleThread journey(chosen, calibration, T_world_body, std::move(*classes), std::move(namer), map ? &*map : nullptr);
   Recorder recorder;
   {
     Progress progress("replay", setup->num_frames.value_or(0));
@@ -325,6 +338,9 @@ Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::un
   for (std::size_t i = 0; i < kNumDropReasons; ++i) record.drops[i] = counters.drops[i].load();
   record.tracking_cpu_s = to_seconds(counters.tracking_cpu.load());
   record.feeder_cpu_s = to_seconds(counters.feeder_cpu.load());
+  record.labels_dropped = counters.labels_dropped.load();
+  record.views_dropped = counters.views_dropped.load();
+  record.views_understood = counters.views.load();  // what was handed over is understood before the end
   if (!ended) record.failure = "interrupted";
   clocks.stop(record);
   return std::move(record);

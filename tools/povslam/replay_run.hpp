@@ -31,12 +31,14 @@ enum class Stage : std::uint8_t {
   close_loop,
   vem,
   segment,
+  name,
   associate,
   integrate,
   total
 };
-inline constexpr std::array<const char*, 10> kStageNames = {
-    "features", "track", "keyframe", "smooth", "close_loop", "vem", "segment", "associate", "integrate", "total"};
+inline constexpr std::array<const char*, 11> kStageNames = {"features",   "track",     "keyframe", "smooth",
+                                                            "close_loop", "vem",       "segment",  "name",
+                                                            "associate",  "integrate", "total"};
 
 struct MapAt {
   TimeNs stamp = 0;
@@ -56,8 +58,11 @@ struct ReplayRecord {
   std::vector<ObjectEvent> events;
   std::vector<ObjectRecord> objects;  // at the end
   LabelCounts labels;
-  Mesh mesh;            // of what stands at the end
-  std::string failure;  // why it ended early; empty: it did not
+  NamingCounts naming;
+  std::int64_t labels_dropped = 0;                       // on their way, in real time
+  std::int64_t views_understood = 0, views_dropped = 0;  // dropped: in real time
+  Mesh mesh;                                             // of what stands at the end
+  std::string failure;                                   // why it ended early; empty: it did not
 };
 
 // One thread; no frame is dropped and nothing depends on time. Stops early on SIGINT or SIGTERM.

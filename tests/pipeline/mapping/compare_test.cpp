@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pipeline/mapping/integrate.hpp"
 #include "tests/pipeline/mapping/rendered_view.hpp"
 
@@ -104,6 +106,21 @@ TEST_F(LookAt, SaysHiddenBehindAnotherThing) {
   EXPECT_GT(left.hidden, 0.3 * left.facing);
   EXPECT_GT(left.seen_through, 0.25 * left.facing);
   EXPECT_LT(left.agree, 0.2 * left.facing);
+}
+
+TEST_F(LookAt, SaysOfEachPointWhatItCounts) {
+  const Thing screen{Box{{-1.0, -1.1, 0.0}, {0.0, -1.0, 2.0}}, kStructure};
+  const DepthView view = seen({kFloor, kBack, screen});
+  const SurfaceLook sum = look_at(surface_, view, kWorld, 0.05);
+  const std::vector<PointLook> each = look_at_each(surface_, view, kWorld, 0.05);
+  ASSERT_EQ(each.size(), surface_.size());
+  EXPECT_EQ(std::ranges::count(each, PointLook::agrees), sum.agree);
+  EXPECT_EQ(std::ranges::count(each, PointLook::seen_through), sum.seen_through);
+  EXPECT_EQ(std::ranges::count(each, PointLook::hidden), sum.hidden);
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    if (each[i] != PointLook::hidden) continue;
+    EXPECT_LT(surface_[i].p_volume.x(), 0.15F) << "the screen is on the left";
+  }
 }
 
 TEST_F(LookAt, WithoutDepthNothingIsSaid) {

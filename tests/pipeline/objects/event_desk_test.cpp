@@ -44,6 +44,17 @@ TEST_F(EventDeskTest, TellsAMoveOnceWhenWhatWentIsFoundElsewhere) {
   EXPECT_EQ(events.size(), 1U);
 }
 
+TEST_F(EventDeskTest, AThingWithoutANameMayBeOneThatHasOne) {
+  desk.gone(thing(1, 0.0, from_seconds(10), "chair"));
+  PlaceChange unnamed = thing(2, 1.5, from_seconds(12), "object");
+  unnamed.named = false;
+  desk.came(unnamed);
+  decide(12.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+  EXPECT_EQ(events[0].class_name, "chair");
+}
+
 TEST_F(EventDeskTest, WaitsForTheOtherHalfWhicheverComesFirst) {
   desk.came(thing(2, 1.5, from_seconds(10)));
   decide(15.0);

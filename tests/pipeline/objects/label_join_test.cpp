@@ -161,9 +161,17 @@ TEST_F(LabelJoinTest, RefusesSizesThatAreNotTheImages) {
   LabelFrame wrong_instances = labels_at(1 * kPeriod);
   wrong_instances.instances.resize(kWidth / 2, kHeight / 2);
   join_.add(wrong_instances);
-  EXPECT_EQ(counts().bad, 6);
+  EXPECT_EQ(counts().wrong_size, 6);
+  EXPECT_EQ(counts().bad, 0);
   join_.add(labels_at(1 * kPeriod, kGeometricObject, kWidth / 3, kHeight / 3));  // smaller, rounded
   EXPECT_THAT(ready(), ElementsAre(100));
+}
+
+TEST_F(LabelJoinTest, MissesNothingWhereNobodyLabels) {
+  LabelJoin join({.max_latency_s = 0.0, .width = kWidth, .height = kHeight, .labels_come = false}, geometric_classes());
+  join.add(view_at(1 * kPeriod));
+  EXPECT_NE(join.next(), nullptr);
+  EXPECT_EQ(join.counts().missing, 0);
 }
 
 TEST_F(LabelJoinTest, TurnsIdsThatTheTableDoesNotKnowIntoUnlabelledAndCountsThem) {
@@ -273,7 +281,7 @@ TEST(LabelJoinProperty, EveryViewComesOutOnceWithItsOwnLabelsOrNone) {
     RC_ASSERT(counts.dropped_views == 0);
     RC_ASSERT((counts.joined == labelled && counts.missing == views - labelled));
     RC_ASSERT(counts.received == static_cast<std::int64_t>(arrived));
-    const std::int64_t judged = counts.joined + counts.late + counts.unmatched + counts.bad;
+    const std::int64_t judged = counts.joined + counts.late + counts.unmatched + counts.bad + counts.wrong_size;
     RC_ASSERT((judged <= counts.received && judged >= counts.received - 16));  // the rest may still find a view
   });
 }

@@ -82,6 +82,25 @@ TEST_F(Listen, StopsAfterTheCountAndShowsOnlyItsChannel) {
   EXPECT_THAT(shown, AllOf(HasSubstr("health: r2"), Not(HasSubstr(" r2 OK"))));
 }
 
+TEST_F(Listen, SaysWhatIsWrongWithALabelSource) {
+  health_t health{};
+  health.views = 9;
+  health.labels_wrong_size = 4;
+  health.naming_asked = 3;
+  health.naming_failed = 2;
+  health.num_label_sources = 2;
+  health.label_sources.resize(2);
+  health.label_sources[0].name = "socket";
+  health.label_sources[0].connected = health.label_sources[0].silent = 1;
+  health.label_sources[0].malformed = 7;
+  health.label_sources[1].name = "lcm";
+  record({}, {health});
+  EXPECT_THAT(listen({"--channel", kHealthChannel}),
+              AllOf(HasSubstr("4 labels of a wrong size"), HasSubstr("label source socket 0 labels of 0 images"),
+                    HasSubstr("7 malformed, IT IS SILENT"), HasSubstr("lcm (nobody there)"),
+                    HasSubstr("THE NETWORK FAILED 2 times")));
+}
+
 TEST_F(Listen, WritesTrackedPosesOfTheBodyOrItsCamera) {
   record({pose_at(1.0), pose_at(2.0, pose_t::LOST), pose_at(3.0, pose_t::DEGRADED)});
   listen({"--out", trajectory_});

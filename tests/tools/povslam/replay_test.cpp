@@ -85,6 +85,8 @@ TEST_F(Replay, WritesEveryTrackedFrameAndItsFigures) {
   EXPECT_EQ(metrics["stages_ms"]["total"]["count"], metrics["frames"]);
   EXPECT_GE(metrics["stages_ms"]["total"]["max"], metrics["stages_ms"]["total"]["median"]);
   EXPECT_GT(metrics["peak_rss_mb"], 1.0);
+  EXPECT_GT(metrics["views"]["understood"], 0);
+  EXPECT_EQ(metrics["labels"]["missing"], 0) << "nobody labels";
   EXPECT_THAT(outcome.output, testing::HasSubstr(std::to_string(published->size()) + " tracked"));
   EXPECT_TRUE(std::filesystem::exists(out("a") / "trajectory.png"));
 }
@@ -149,6 +151,21 @@ TEST_F(Replay, NeverWritesIntoOrAroundASequence) {
   }
   EXPECT_FALSE(std::filesystem::exists(kSequence / "results"));
   EXPECT_TRUE(make_output_folder(out("beside"), kSequence));
+}
+
+TEST_F(Replay, SaysWhichKeyNamesTheNetworkThatIsMissing) {
+  const Outcome none = replay("n", {"--labels", "dnn"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, testing::HasSubstr("network.file: "));
+  const std::string file = out("no.onnx").string();
+  std::ofstream(file) << "no network";
+  for (const bool realtime : {false, true}) {
+    std::vector<std::string> more = {"--set", "understanding.labels=dnn", "--set", "network.file=" + file};
+    if (realtime) more.emplace_back("--realtime");
+    const Outcome broken = replay("n", more);
+    EXPECT_EQ(broken.exit_code, 1);
+    EXPECT_THAT(broken.errors, testing::HasSubstr("network.file: " + file));
+  }
 }
 
 TEST_F(Replay, TellsBadUsageFromFailure) {
