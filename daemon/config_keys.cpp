@@ -99,12 +99,13 @@ std::vector<Key<AppConfig>> backend_table() {
           "Replay: the answer of a background job enters this many frames after it was asked for"),
       key("smooth.max_iterations", AT(pipeline.backend.smooth.max_iterations), 1, 1000,
           "Of each round of a local bundle adjustment"),
-      key("smooth.huber_threshold", AT(pipeline.backend.smooth.huber_threshold), 0.1, 100.0,
-          "Whitened residual norm beyond which the loss is linear"),
-      key("smooth.outlier_chi2", AT(pipeline.backend.smooth.outlier_chi2), 0.1, 1000.0,
+      key("smooth.huber_pixel", AT(pipeline.backend.smooth.huber_pixel), 0.1, 100.0,
+          "Whitened norm of a pixel's residual beyond which the loss is linear"),
+      key("smooth.huber_depth", AT(pipeline.backend.smooth.huber_depth), 0.1, 100.0, "The same of its depth's"),
+      key("smooth.outlier_chi2_pixel", AT(pipeline.backend.smooth.outlier_chi2_pixel), 0.1, 1000.0,
           "Whitened squared norm beyond which an observation is left out"),
-      key("smooth.outlier_chi2_no_depth", AT(pipeline.backend.smooth.outlier_chi2_no_depth), 0.1, 1000.0,
-          "The same for an observation without depth"),
+      key("smooth.outlier_chi2_depth", AT(pipeline.backend.smooth.outlier_chi2_depth), 0.1, 1000.0,
+          "The same of its depth's: beyond it only the pixel is used"),
       key("smooth.num_threads", AT(pipeline.backend.smooth.num_threads), 1, 64, "Threads of the solver"),
       key("loop.max_iterations", AT(pipeline.backend.close_loop.max_iterations), 1, 1000,
           "Of each round of closing a loop"),
@@ -146,8 +147,8 @@ std::vector<Key<SensorConfig>> sensor_table() {
 
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
-              sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 40 && sizeof(CloseLoopOptions) == 48 &&
-              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 584);
+              sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 48 && sizeof(CloseLoopOptions) == 48 &&
+              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 592);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

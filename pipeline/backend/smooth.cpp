@@ -68,12 +68,14 @@ ceres::Solver::Options solver_options(SmoothWindow& window, const Parts& parts, 
 bool solve_round(SmoothProblem& problem, SmoothWindow& window, const SmoothOptions& options, double tolerance) {
   const Parts parts = parts_of(problem, window);
   PoseManifold manifold;
-  ceres::HuberLoss loss(options.huber_threshold);
+  ceres::HuberLoss pixel_loss(options.huber_pixel), depth_loss(options.huber_depth);
   ceres::Problem round(problem_options());
   for (std::size_t i = 0; i < window.used.size(); ++i) {
     if (window.used[i] == 0) continue;
     const auto& seen = problem.observations[i];
-    round.AddResidualBlock(&window.factors[i], &loss, window.poses[seen.pose].data(), window.points[seen.point].data());
+    double *pose = window.poses[seen.pose].data(), *point = window.points[seen.point].data();
+    round.AddResidualBlock(&window.pixels[i], &pixel_loss, pose, point);
+    if (window.depth_used[i] != 0) round.AddResidualBlock(&window.depths[i], &depth_loss, pose, point);
   }
   for (std::size_t i = 0; i < parts.poses.size(); ++i) {
     if (parts.poses[i] == 0) continue;
@@ -104,7 +106,7 @@ bool run_rounds(SmoothProblem& problem, SmoothWindow& window, const SmoothOption
 
 bool most_fit(const SmoothWindow& window, const SmoothOptions& options) {
   std::size_t num_fitting = 0;
-  for (std::size_t i = 0; i < window.used.size(); ++i) num_fitting += window.fits(i, options) ? 1 : 0;
+  for (std::size_t i = 0; i < window.used.size(); ++i) num_fitting += window.pixel_fits(i, options) ? 1 : 0;
   return static_cast<double>(num_fitting) >= kMinShareFitting * static_cast<double>(window.used.size());
 }
 
@@ -114,7 +116,7 @@ void adopt(const SmoothWindow& window, const SmoothOptions& options, SmoothProbl
     if (!pose.fixed) pose.T_world_camera = from_block(window.poses[i]);
   }
   for (std::size_t i = 0; i < window.points.size(); ++i) problem.points[i].p_world = window.points[i];
-  for (std::size_t i = 0; i < window.used.size(); ++i) problem.observations[i].outlier = !window.fits(i, options);
+  for (std::size_t i = 0; i < window.used.size(); ++i) problem.observations[i].outlier = !window.pixel_fits(i, options);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Local bundle adjustment: keyframe poses and landmarks that fit all their observations best (robust least squares).
-// Ceres' door. Residuals are whitened and under a Huber loss; a second round leaves out what did not fit the first.
-// Deterministic: one thread, limits are counts, never clocks.
+// Ceres' door. Residuals are whitened and under Huber losses, pixel and depth of an observation apart: judged together,
+// a wrong depth (an edge, a badly registered camera) would take a good pixel with it. A second round leaves out what
+// did not fit the first. Deterministic: one thread, limits are counts, never clocks.
 #pragma once
 
 #include "pipeline/frontend/smooth_problem.hpp"
@@ -8,10 +9,11 @@
 namespace povslam {
 
 struct SmoothOptions {
-  int max_iterations = 10;              // of each round
-  double huber_threshold = 2.45;        // whitened residual norm (3 dof, 90 %) beyond which the loss is linear
-  double outlier_chi2 = 11.35;          // whitened squared norm (3 dof, 99 %) beyond which an observation is an outlier
-  double outlier_chi2_no_depth = 9.21;  // the same for one without depth (2 dof, 99 %)
+  int max_iterations = 10;           // of each round
+  double huber_pixel = 2.15;         // whitened norm (2 dof, 90 %) beyond which the loss is linear
+  double huber_depth = 1.64;         // the same of the depth (1 dof)
+  double outlier_chi2_pixel = 9.21;  // whitened squared norm (2 dof, 99 %) beyond which an observation is an outlier
+  double outlier_chi2_depth = 6.63;  // the same of the depth (1 dof): beyond it only the pixel takes part
   int num_threads = 1;
 };
 

@@ -15,16 +15,14 @@ constexpr double kMinScaledEigenvalue = 1e-7;  // of a pose's 6x6 information sc
 constexpr int kMinResidualsPerPoint = 3;       // as many as unknowns
 constexpr double kMaxMoveOverRange = 3.0;      // a point that moved farther, in units of its range, is not believed
 
-KeypointObservation observation_of(const SmoothProblem& problem, const SmoothProblem::Observation& seen) {
+KeypointObservation pixel_of(const SmoothProblem& problem, const SmoothProblem::Observation& seen) {
   return {.fx = problem.fx,
           .fy = problem.fy,
           .cx = problem.cx,
           .cy = problem.cy,
           .u_px = seen.u_px,
           .v_px = seen.v_px,
-          .inverse_depth_per_m = seen.inverse_depth_per_m,
-          .sigma_px = seen.sigma_px,
-          .sigma_inverse_depth_per_m = seen.sigma_inverse_depth_per_m};
+          .sigma_px = seen.sigma_px};
 }
 
 bool valid(const SmoothProblem::Pose& pose) {
@@ -60,12 +58,18 @@ bool valid(const SmoothProblem& problem) {
          std::ranges::all_of(problem.observations, observation_ok);
 }
 
-SmoothWindow::SmoothWindow(const SmoothProblem& problem) : used(problem.observations.size(), 1), problem_(problem) {
+SmoothWindow::SmoothWindow(const SmoothProblem& problem)
+    : used(problem.observations.size(), 1), depth_used(problem.observations.size(), 0), problem_(problem) {
   poses.reserve(problem.poses.size());
   points.reserve(problem.points.size());
   for (const auto& pose : problem.poses) poses.push_back(to_block(pose.T_world_camera));
   for (const auto& point : problem.points) points.push_back(point.p_world);
-  for (const auto& seen : problem.observations) factors.emplace_back(observation_of(problem, seen));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const auto& seen = problem.observations[i];
+    pixels.emplace_back(pixel_of(problem, seen));
+    depths.emplace_back(seen.inverse_depth_per_m, seen.sigma_inverse_depth_per_m);
+    depth_used[i] = seen.inverse_depth_per_m > 0.0F;
+  }
 }
 
 void SmoothWindow::leave_out_undetermined() {
@@ -74,7 +78,7 @@ void SmoothWindow::leave_out_undetermined() {
   for (std::size_t i = 0; i < used.size(); ++i) {
     const auto& seen = problem_.observations[i];
     used[i] = used[i] != 0 && determined[seen.pose] != 0;
-    if (used[i] != 0) residuals[seen.point] += factors[i].num_residuals();
+    if (used[i] != 0) residuals[seen.point] += depth_used[i] != 0 ? 3 : 2;
   }
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (residuals[problem_.observations[i].point] < kMinResidualsPerPoint) used[i] = 0;
@@ -84,15 +88,17 @@ void SmoothWindow::leave_out_undetermined() {
 // Fixed poses are; a free one is when the points it sees, taken as known, hold all of its six directions.
 std::vector<char> SmoothWindow::determined_poses() const {
   std::vector<Matrix6d> information(poses.size(), Matrix6d::Zero());
-  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> by_point;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> by_point;  // of the pixel's two residuals and the depth's
   Eigen::Vector3d residual;
   for (std::size_t i = 0; i < used.size(); ++i) {
     const auto& seen = problem_.observations[i];
     if (used[i] == 0 || problem_.poses[seen.pose].fixed) continue;
     const double* blocks[] = {poses[seen.pose].data(), points[seen.point].data()};
-    double* jacobians[] = {nullptr, by_point.data()};
+    double* by_pixel[] = {nullptr, by_point.data()};
+    double* by_depth[] = {nullptr, by_point.data() + 6};
     by_point.setZero();
-    factors[i].Evaluate(blocks, residual.data(), jacobians);
+    pixels[i].Evaluate(blocks, residual.data(), by_pixel);
+    if (depth_used[i] != 0) depths[i].Evaluate(blocks, residual.data(), by_depth);
     const Eigen::Map<const Eigen::Vector3d> p_world(poses[seen.pose].data() + 4);
     Eigen::Matrix<double, 3, 6> by_pose;  // about retract's xi: d p_camera = R^T (dp - rho + [p - t]x phi)
     by_pose << -by_point, by_point * skew(points[seen.point] - p_world);
@@ -106,7 +112,10 @@ std::vector<char> SmoothWindow::determined_poses() const {
 }
 
 void SmoothWindow::leave_out_outliers(const SmoothOptions& options) {
-  for (std::size_t i = 0; i < used.size(); ++i) used[i] = fits(i, options);
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    used[i] = pixel_fits(i, options);
+    depth_used[i] = depth_fits(i, options);
+  }
 }
 
 void SmoothWindow::restore_unbelievable_points() {
@@ -126,25 +135,39 @@ void SmoothWindow::restore_unbelievable_points() {
   }
 }
 
-double SmoothWindow::chi2(std::size_t observation) const {
+double SmoothWindow::chi2_pixel(std::size_t observation) const {
   const auto& seen = problem_.observations[observation];
   const double* blocks[] = {poses[seen.pose].data(), points[seen.point].data()};
-  Eigen::Vector3d residual = Eigen::Vector3d::Zero();
-  factors[observation].Evaluate(blocks, residual.data(), nullptr);
+  Eigen::Vector2d residual;
+  pixels[observation].Evaluate(blocks, residual.data(), nullptr);
   return residual.squaredNorm();
 }
 
-bool SmoothWindow::fits(std::size_t observation, const SmoothOptions& options) const {
-  const bool has_depth = factors[observation].num_residuals() == 3;
-  return chi2(observation) <= (has_depth ? options.outlier_chi2 : options.outlier_chi2_no_depth);
+double SmoothWindow::chi2_depth(std::size_t observation) const {
+  const auto& seen = problem_.observations[observation];
+  const double* blocks[] = {poses[seen.pose].data(), points[seen.point].data()};
+  double residual = 0.0;
+  depths[observation].Evaluate(blocks, &residual, nullptr);
+  return residual * residual;
+}
+
+bool SmoothWindow::pixel_fits(std::size_t observation, const SmoothOptions& options) const {
+  return chi2_pixel(observation) <= options.outlier_chi2_pixel;
+}
+
+bool SmoothWindow::depth_fits(std::size_t observation, const SmoothOptions& options) const {
+  return problem_.observations[observation].inverse_depth_per_m > 0.0F &&
+         chi2_depth(observation) <= options.outlier_chi2_depth;
 }
 
 double SmoothWindow::robust_cost(const SmoothOptions& options) const {
-  const ceres::HuberLoss loss(options.huber_threshold);
-  double cost = 0.0;
-  for (std::size_t i = 0; i < factors.size(); ++i) {
-    double rho[3];
-    loss.Evaluate(chi2(i), rho);
+  const ceres::HuberLoss pixel_loss(options.huber_pixel), depth_loss(options.huber_depth);
+  double cost = 0.0, rho[3];
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    pixel_loss.Evaluate(chi2_pixel(i), rho);
+    cost += 0.5 * rho[0];
+    if (!(problem_.observations[i].inverse_depth_per_m > 0.0F)) continue;
+    depth_loss.Evaluate(chi2_depth(i), rho);
     cost += 0.5 * rho[0];
   }
   return cost;

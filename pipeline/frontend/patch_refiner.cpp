@@ -46,7 +46,7 @@ bool PatchRefiner::refine(Map& map, std::int32_t landmark, const FrameBuilder& i
   const PatchPlace place = find_patch(map.patch(landmark), patch_per_image, level, x, y, kMaxShiftPx);
   if (!place.converged || place.correlation < kMinCorrelation) return false;
   images.place(frame, feature, (place.x + 0.5F) * level.scale - 0.5F, (place.y + 0.5F) * level.scale - 0.5F,
-               static_cast<float>(sigma_px_ * noise_.value()) * level.scale);
+               static_cast<float>(sigma_px()) * level.scale);
   level_scale_[k] = level.scale;
   return true;
 }

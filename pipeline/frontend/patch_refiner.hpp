@@ -21,6 +21,8 @@ class PatchRefiner {
               int feature);
   bool placed(int feature) const { return level_scale_[static_cast<std::size_t>(feature)] > 0.0F; }
 
+  double sigma_px() const { return sigma_px_ * noise_.value(); }  // of a placed feature, on level 0
+
   // Residuals of placed features teach how well patches fit on this camera: start, learn each, finish.
   void start_learning() { noise_.start(); }
   void learn(int feature, double residual_px);

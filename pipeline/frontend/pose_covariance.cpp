@@ -6,7 +6,7 @@
 namespace povslam {
 
 namespace {
-constexpr double kIndependentLandmarks = 30.0;
+constexpr double kIndependentLandmarks = 50.0;
 }
 
 Matrix6d covariance_to_landmarks(const PoseSolution& solution) {

@@ -57,6 +57,15 @@ void SmoothExchange::add_fixed_poses(Map& map, SmoothProblem& problem) {
   }
 }
 
+// Patches are fitted to the first look, so the landmark is by definition what stood in that look's centre: the keyframe
+// that was kept with it saw the landmark as well as a patch fits, however roughly its corner was detected.
+float SmoothExchange::sigma_px(const Map& map, const Landmark& point, const LandmarkSighting& sighting) const {
+  const Keyframe& kf = map.keyframe(sighting.keyframe);
+  const std::size_t f = static_cast<std::size_t>(sighting.feature);
+  if (!point.has_patch || point.born_keyframe != kf.id) return kf.sigma_px[f];
+  return std::min(kf.sigma_px[f], look_sigma_px_ * map.level_scale(kf.level[f]));
+}
+
 void SmoothExchange::add_observations(const Map& map, SmoothProblem& problem) {
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const Landmark& point = map.landmark(problem.points[i].landmark);
@@ -73,13 +82,15 @@ void SmoothExchange::add_observations(const Map& map, SmoothProblem& problem) {
       o.u_px = kf.x[f];
       o.v_px = kf.y[f];
       o.inverse_depth_per_m = kf.inverse_depth[f];
-      o.sigma_px = kf.sigma_px[f];
+      o.sigma_px = sigma_px(map, point, sighting);
       o.sigma_inverse_depth_per_m = kf.sigma_inverse_depth[f];
     }
   }
 }
 
-bool SmoothExchange::cut(Map& map, std::int32_t slot, std::int64_t frame_index, SmoothProblem& problem) {
+bool SmoothExchange::cut(Map& map, std::int32_t slot, std::int64_t frame_index, double look_sigma_px,
+                         SmoothProblem& problem) {
+  look_sigma_px_ = static_cast<float>(look_sigma_px);
   problem.clear();
   problem.fx = camera_.fx, problem.fy = camera_.fy, problem.cx = camera_.cx, problem.cy = camera_.cy;
   problem.asked_at_frame = frame_index;

@@ -444,7 +444,7 @@ void Tracker::upkeep() {
 void Tracker::ask_for_smoothing() {
   const std::int32_t seam = loops_.next_to_smooth(map_);
   const std::int32_t wanted = seam == kNone && result_.keyframe ? newest_keyframe_ : seam;
-  if (wanted == kNone || !smooth_exchange_.cut(map_, wanted, frame_.index, problem_)) return;
+  if (wanted == kNone || !smooth_exchange_.cut(map_, wanted, frame_.index, refiner_.sigma_px(), problem_)) return;
   problem_state_ = ProblemState::offered;
   problem_outdated_ = false;
 }

@@ -17,64 +17,49 @@ Eigen::Matrix<double, 3, 4> unrotate_derivative(const Eigen::Vector3d& v, double
   return J;
 }
 
-template <int kRows>
-void write_jacobians(const Eigen::Matrix3d& dr_dp_camera, const Eigen::Matrix3d& R_camera_world, const double* pose,
-                     const Eigen::Vector3d& offset_world, double** jacobians) {
-  const Eigen::Matrix<double, kRows, 3> outer = dr_dp_camera.topRows<kRows>();
-  const Eigen::Matrix<double, kRows, 3> by_point = outer * R_camera_world;
-  if (jacobians[1] != nullptr) Eigen::Map<Eigen::Matrix<double, kRows, 3, Eigen::RowMajor>>{jacobians[1]} = by_point;
-  if (jacobians[0] == nullptr) return;
-  Eigen::Map<Eigen::Matrix<double, kRows, 7, Eigen::RowMajor>> by_pose(jacobians[0]);
-  by_pose.template leftCols<4>() = outer * unrotate_derivative(Map3(pose), pose[3], offset_world);
-  by_pose.template rightCols<3>() = -by_point;
-}
-
 }  // namespace
 
-Eigen::Vector3d KeypointObservation::residual(const Eigen::Vector3d& p_camera) const {
+Eigen::Vector2d KeypointObservation::residual(const Eigen::Vector3d& p_camera) const {
   const double inverse_z = 1.0 / p_camera.z();
   return {(fx * p_camera.x() * inverse_z + cx - u_px) / sigma_px,
-          (fy * p_camera.y() * inverse_z + cy - v_px) / sigma_px,
-          has_depth() ? (inverse_z - inverse_depth_per_m) / sigma_inverse_depth_per_m : 0.0};
+          (fy * p_camera.y() * inverse_z + cy - v_px) / sigma_px};
 }
 
-Eigen::Matrix3d KeypointObservation::derivative(const Eigen::Vector3d& p_camera) const {
+Eigen::Matrix<double, 2, 3> KeypointObservation::derivative(const Eigen::Vector3d& p_camera) const {
   const double inverse_z = 1.0 / p_camera.z();
   const double a = fx * inverse_z / sigma_px;
   const double b = fy * inverse_z / sigma_px;
-  const double c = has_depth() ? -inverse_z * inverse_z / sigma_inverse_depth_per_m : 0.0;
-  Eigen::Matrix3d J;
-  J << a, 0.0, -a * p_camera.x() * inverse_z, 0.0, b, -b * p_camera.y() * inverse_z, 0.0, 0.0, c;
+  Eigen::Matrix<double, 2, 3> J;
+  J << a, 0.0, -a * p_camera.x() * inverse_z, 0.0, b, -b * p_camera.y() * inverse_z;
   return J;
 }
 
 KeypointFactor::KeypointFactor(const KeypointObservation& seen) : seen_(seen) {
-  set_num_residuals(seen.has_depth() ? 3 : 2);
+  set_num_residuals(2);
   *mutable_parameter_block_sizes() = {7, 3};
 }
 
 bool KeypointFactor::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
   const double* pose = parameters[0];
-  const int rows = num_residuals();
   const Eigen::Matrix3d R_camera_world = Eigen::Map<const Eigen::Quaterniond>(pose).conjugate().toRotationMatrix();
   const Eigen::Vector3d offset_world = Map3(parameters[1]) - Map3(pose + 4);
   const Eigen::Vector3d p_camera = R_camera_world * offset_world;
   if (!(p_camera.z() > kMinDepthM)) {
-    std::fill_n(residuals, rows, kBehindResidual);
+    std::fill_n(residuals, 2, kBehindResidual);
     if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) std::fill_n(jacobians[0], rows * 7, 0.0);
-    if (jacobians[1] != nullptr) std::fill_n(jacobians[1], rows * 3, 0.0);
+    if (jacobians[0] != nullptr) std::fill_n(jacobians[0], 14, 0.0);
+    if (jacobians[1] != nullptr) std::fill_n(jacobians[1], 6, 0.0);
     return true;
   }
-  const Eigen::Vector3d r = seen_.residual(p_camera);
-  std::copy_n(r.data(), rows, residuals);
+  Eigen::Map<Eigen::Vector2d>{residuals} = seen_.residual(p_camera);
   if (jacobians == nullptr) return true;
-  const Eigen::Matrix3d J = seen_.derivative(p_camera);
-  if (rows == 3) {
-    write_jacobians<3>(J, R_camera_world, pose, offset_world, jacobians);
-  } else {
-    write_jacobians<2>(J, R_camera_world, pose, offset_world, jacobians);
-  }
+  const Eigen::Matrix<double, 2, 3> outer = seen_.derivative(p_camera);
+  const Eigen::Matrix<double, 2, 3> by_point = outer * R_camera_world;
+  if (jacobians[1] != nullptr) Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>{jacobians[1]} = by_point;
+  if (jacobians[0] == nullptr) return true;
+  Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> by_pose(jacobians[0]);
+  by_pose.leftCols<4>() = outer * unrotate_derivative(Map3(pose), pose[3], offset_world);
+  by_pose.rightCols<3>() = -by_point;
   return true;
 }
 

@@ -17,7 +17,7 @@ using simulated::small_window;
 namespace {
 
 constexpr SmoothOptions kLeastSquares{
-    .max_iterations = 30, .huber_threshold = 1e6, .outlier_chi2 = 1e6, .outlier_chi2_no_depth = 1e6};
+    .max_iterations = 30, .huber_pixel = 1e6, .huber_depth = 1e6, .outlier_chi2_pixel = 1e6, .outlier_chi2_depth = 1e6};
 
 Eigen::Vector3d predicted(const SmoothProblem& problem, const SmoothProblem::Observation& seen, const Rigid3& T,
                           const Eigen::Vector3d& p_world) {
@@ -149,6 +149,28 @@ TEST(Smooth, FindsPlantedOutliersAndSparesGoodObservations) {
   EXPECT_GT(found, 0.97 * planted);
   EXPECT_LT(accused, 0.02 * good);
   EXPECT_LT(pose_error(window, window.problem)[0], 0.003);
+}
+
+TEST(Smooth, AWrongDepthCostsNoPixel) {
+  simulated::WindowOptions options;
+  options.num_fixed = options.num_free = 6;
+  options.num_points = 400;
+  options.max_observations = 3000;
+  simulated::Window window = simulated::make_window(options);
+  std::vector<std::size_t> spoilt;
+  for (std::size_t i = 0; i < window.problem.observations.size(); i += 4) {
+    auto& seen = window.problem.observations[i];
+    if (seen.inverse_depth_per_m == 0.0F) continue;
+    seen.inverse_depth_per_m *= 0.7F;  // of the wall behind the edge
+    spoilt.push_back(i);
+  }
+  smooth(window.problem, SmoothOptions{});
+  ASSERT_TRUE(window.problem.converged);
+  const auto accused =
+      std::ranges::count_if(spoilt, [&](std::size_t i) { return window.problem.observations[i].outlier; });
+  ASSERT_GT(spoilt.size(), 400U);
+  EXPECT_LT(accused, 0.05 * static_cast<double>(spoilt.size()));
+  EXPECT_LT(pose_error(window, window.problem)[0], 0.004);
 }
 
 TEST(Smooth, HoldsFixedPosesExactly) {

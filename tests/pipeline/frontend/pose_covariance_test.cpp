@@ -62,9 +62,9 @@ TEST(PoseCovariance, TellsTheSpreadOfTheCameraInTheWorld) {
 TEST(PoseCovariance, DoesNotTakeHundredsOfLandmarksForIndependent) {
   PoseSolution few, many;
   few.information = some_covariance(1, 0.001).inverse();
-  few.num_inliers = 30;
+  few.num_inliers = 50;
   many.information = 10.0 * few.information;
-  many.num_inliers = 300;
+  many.num_inliers = 500;
   const Eigen::Vector2d ratios = extreme_ratios(covariance_to_landmarks(many), covariance_to_landmarks(few));
   EXPECT_NEAR(ratios[0], 1.0, 1e-3);
   EXPECT_NEAR(ratios[1], 1.0, 1e-3);

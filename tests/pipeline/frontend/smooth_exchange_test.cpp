@@ -12,6 +12,7 @@ namespace povslam {
 namespace {
 
 constexpr int kKeyframes = 6;
+constexpr double kLookSigmaPx = 0.2;
 
 FrontendOptions options() {
   FrontendOptions options;
@@ -66,7 +67,7 @@ struct Drive {
     }
     return worst;
   }
-  bool cut() { return exchange.cut(map, map.find_keyframe(kKeyframes - 1), 77, problem); }
+  bool cut() { return exchange.cut(map, map.find_keyframe(kKeyframes - 1), 77, kLookSigmaPx, problem); }
 
   std::mt19937 random{1};
   PinholeCamera camera = made::half_camera();
@@ -115,6 +116,24 @@ TEST(SmoothExchange, HasNothingToSmoothWithOneKeyframe) {
   for (std::int64_t id = 0; id + 1 < kKeyframes; ++id) drive.map.remove_keyframe(drive.map.find_keyframe(id));
   EXPECT_FALSE(drive.cut());
   EXPECT_TRUE(drive.problem.observations.empty());
+}
+
+// Half of the landmarks keep their first look: where it was taken they stand exactly, elsewhere as their feature does.
+TEST(SmoothExchange, TheKeyframeOfAFirstLookSawItAsSharplyAsPatchesFit) {
+  Drive drive;
+  for (std::size_t i = 0; i < drive.points.size(); i += 2) {
+    if (drive.landmark_of[i] != kNone) drive.map.landmark(drive.landmark_of[i]).has_patch = true;
+  }
+  ASSERT_TRUE(drive.cut());
+  int sharp = 0;
+  for (const SmoothProblem::Observation& o : drive.problem.observations) {
+    const SmoothProblem::Point& p = drive.problem.points[static_cast<std::size_t>(o.point)];
+    const Landmark& point = drive.map.landmark(p.landmark);
+    const bool first = drive.problem.poses[static_cast<std::size_t>(o.pose)].keyframe == point.born_keyframe;
+    EXPECT_EQ(o.sigma_px == static_cast<float>(kLookSigmaPx), point.has_patch && first);
+    sharp += o.sigma_px == static_cast<float>(kLookSigmaPx) ? 1 : 0;
+  }
+  EXPECT_GT(sharp, 50);
 }
 
 TEST(SmoothExchange, ChangesNothingForAnAnswerThatDidNotConverge) {
@@ -216,7 +235,7 @@ TEST(SmoothExchange, StaysWithinItsCapacitiesAndAllocatesNothing) {
   SmoothProblem problem;
   exchange.reserve(problem);
   start_counting();
-  EXPECT_TRUE(exchange.cut(drive.map, drive.map.find_keyframe(kKeyframes - 1), 1, problem));
+  EXPECT_TRUE(exchange.cut(drive.map, drive.map.find_keyframe(kKeyframes - 1), 1, kLookSigmaPx, problem));
   const CallCounts calls = stop_counting();
   EXPECT_EQ(calls.allocations, 0U);
   EXPECT_EQ(problem.poses.size(), 5U);

@@ -6,14 +6,14 @@
 #include <limits>
 #include <random>
 
+#include "pipeline/backend/factors/depth_factor.hpp"
 #include "pipeline/backend/factors/pose_manifold.hpp"
 
 namespace povslam {
 
 namespace {
 
-constexpr KeypointObservation kSeen{525.0, 520.0, 319.5, 239.5, 100.0, 300.0, 0.4, 0.8, 0.0025};
-constexpr KeypointObservation kSeenWithoutDepth{525.0, 520.0, 319.5, 239.5, 100.0, 300.0, 0.0, 0.8, 0.0025};
+constexpr KeypointObservation kSeen{525.0, 520.0, 319.5, 239.5, 100.0, 300.0, 0.8};
 
 struct Case {
   PoseBlock pose{};
@@ -34,12 +34,12 @@ Case random_case(std::mt19937& random, double z_m) {
 
 struct Evaluation {
   bool ok = false;
-  std::array<double, 3> residual{};
-  std::array<double, 21> by_pose{};
-  std::array<double, 9> by_point{};
+  std::array<double, 2> residual{};
+  std::array<double, 14> by_pose{};
+  std::array<double, 6> by_point{};
 };
 
-Evaluation evaluate(const KeypointFactor& factor, const Case& at) {
+Evaluation evaluate(const ceres::CostFunction& factor, const Case& at) {
   Evaluation result;
   const double* blocks[] = {at.pose.data(), at.p_world.data()};
   double* jacobians[] = {result.by_pose.data(), result.by_point.data()};
@@ -47,8 +47,8 @@ Evaluation evaluate(const KeypointFactor& factor, const Case& at) {
   return result;
 }
 
-Eigen::Vector3d residual_at(const KeypointFactor& factor, const Case& at) {
-  return Eigen::Vector3d(evaluate(factor, at).residual.data());
+Eigen::Vector2d residual_at(const ceres::CostFunction& factor, const Case& at) {
+  return Eigen::Vector2d(evaluate(factor, at).residual.data());
 }
 
 // Moved along one direction of the pose's tangent (0 to 5) or of the point (6 to 8).
@@ -62,12 +62,12 @@ Case moved(const Case& at, int direction, double step) {
 
 // The analytic derivative by pose tangent and point, as Ceres composes it. Ceres' own GradientChecker is not used: it
 // returns Eigen matrices from a library that was built with other alignment than a sanitised build has.
-Eigen::Matrix<double, 3, 9> composed(const KeypointFactor& factor, const Case& at) {
+Eigen::Matrix<double, 2, 9> composed(const ceres::CostFunction& factor, const Case& at) {
   const Evaluation result = evaluate(factor, at);
   Eigen::Matrix<double, 7, 6, Eigen::RowMajor> plus;
   PoseManifold().PlusJacobian(at.pose.data(), plus.data());
   const int rows = factor.num_residuals();
-  Eigen::Matrix<double, 3, 9> J = Eigen::Matrix<double, 3, 9>::Zero();
+  Eigen::Matrix<double, 2, 9> J = Eigen::Matrix<double, 2, 9>::Zero();
   using ByPose = Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor>;
   using ByPoint = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
   J.topLeftCorner(rows, 6) = Eigen::Map<const ByPose>(result.by_pose.data(), rows, 7) * plus;
@@ -75,15 +75,14 @@ Eigen::Matrix<double, 3, 9> composed(const KeypointFactor& factor, const Case& a
   return J;
 }
 
-void expect_gradients_match(const KeypointObservation& seen) {
+void expect_gradients_match(const ceres::CostFunction& factor) {
   constexpr double kStep = 1e-6;
-  const KeypointFactor factor(seen);
   std::mt19937 random(3);
   for (int i = 0; i < 100; ++i) {
     const Case at = random_case(random, 0.2 + 0.1 * i);
-    const Eigen::Matrix<double, 3, 9> analytic = composed(factor, at);
+    const Eigen::Matrix<double, 2, 9> analytic = composed(factor, at);
     for (int k = 0; k < 9; ++k) {
-      const Eigen::Vector3d difference =
+      const Eigen::Vector2d difference =
           (residual_at(factor, moved(at, k, kStep)) - residual_at(factor, moved(at, k, -kStep))) / (2.0 * kStep);
       EXPECT_LT((analytic.col(k) - difference).norm(), 1e-6 * analytic.norm())
           << "direction " << k << ", point at " << 0.2 + 0.1 * i << " m";
@@ -91,37 +90,47 @@ void expect_gradients_match(const KeypointObservation& seen) {
   }
 }
 
-}  // namespace
-
-TEST(KeypointFactor, JacobiansMatchDifferences) {
-  expect_gradients_match(kSeen);
-}
-TEST(KeypointFactor, JacobiansMatchDifferencesWithoutDepth) {
-  expect_gradients_match(kSeenWithoutDepth);
-}
-
-TEST(KeypointFactor, IsTheWhitenedDifferenceToTheObservation) {
-  const KeypointFactor factor(kSeen);
-  const Case at{to_block(Rigid3{}), Eigen::Vector3d(-0.5, 0.25, 2.0)};
-  const Evaluation result = evaluate(factor, at);
-  EXPECT_NEAR(result.residual[0], (525.0 * -0.25 + 319.5 - 100.0) / 0.8, 1e-9);
-  EXPECT_NEAR(result.residual[1], (520.0 * 0.125 + 239.5 - 300.0) / 0.8, 1e-9);
-  EXPECT_NEAR(result.residual[2], (0.5 - 0.4) / 0.0025, 1e-9);
-  EXPECT_EQ(KeypointFactor(kSeenWithoutDepth).num_residuals(), 2);
-}
-
-TEST(KeypointFactor, StaysFiniteAndPullsNowhereBehindTheCamera) {
-  const KeypointFactor factor(kSeen);
+void expect_no_pull_from_behind(const ceres::CostFunction& factor) {
   std::mt19937 random(5);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double z_m : {-3.0, -1e-9, 0.0, 1e-300, 0.04, nan}) {
     const Evaluation result = evaluate(factor, random_case(random, z_m));
     EXPECT_TRUE(result.ok);
-    for (const double r : result.residual) EXPECT_EQ(r, KeypointFactor::kBehindResidual);
+    for (int i = 0; i < factor.num_residuals(); ++i) EXPECT_EQ(result.residual[i], KeypointFactor::kBehindResidual);
     for (const double j : result.by_pose) EXPECT_EQ(j, 0.0);
     for (const double j : result.by_point) EXPECT_EQ(j, 0.0);
   }
   EXPECT_NE(evaluate(factor, random_case(random, 0.06)).by_point[0], 0.0);
+}
+
+}  // namespace
+
+TEST(KeypointFactor, JacobiansMatchDifferences) {
+  expect_gradients_match(KeypointFactor(kSeen));
+}
+
+TEST(DepthFactor, JacobiansMatchDifferences) {
+  expect_gradients_match(DepthFactor(0.4, 0.0025));
+}
+
+TEST(KeypointFactor, IsTheWhitenedDifferenceToTheObservation) {
+  const Case at{to_block(Rigid3{}), Eigen::Vector3d(-0.5, 0.25, 2.0)};
+  const Evaluation result = evaluate(KeypointFactor(kSeen), at);
+  EXPECT_NEAR(result.residual[0], (525.0 * -0.25 + 319.5 - 100.0) / 0.8, 1e-9);
+  EXPECT_NEAR(result.residual[1], (520.0 * 0.125 + 239.5 - 300.0) / 0.8, 1e-9);
+}
+
+TEST(DepthFactor, IsTheWhitenedDifferenceOfInverseDepths) {
+  const Case at{to_block(Rigid3{}), Eigen::Vector3d(-0.5, 0.25, 2.0)};
+  EXPECT_NEAR(evaluate(DepthFactor(0.4, 0.0025), at).residual[0], (0.5 - 0.4) / 0.0025, 1e-9);
+}
+
+TEST(KeypointFactor, StaysFiniteAndPullsNowhereBehindTheCamera) {
+  expect_no_pull_from_behind(KeypointFactor(kSeen));
+}
+
+TEST(DepthFactor, StaysFiniteAndPullsNowhereBehindTheCamera) {
+  expect_no_pull_from_behind(DepthFactor(0.4, 0.0025));
 }
 
 }  // namespace povslam
