@@ -53,7 +53,8 @@ class ObjectLibrary {
   void take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
             const SurfaceLook& look);
   void miss(MapObject& object, const SurfaceLook& look, TimeNs now);
-  bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const;
+  bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach,
+                    std::span<const Standing> standing) const;
   bool stands_in_old_place(const MapObject& object) const;
   double share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const;
   void start(const Observation& observation, std::uint16_t owner, const DepthView& view);
@@ -62,8 +63,10 @@ class ObjectLibrary {
               LibraryStep& step);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
   void drop_unbelieved(TimeNs now, LibraryStep& step);
+  void refresh_waiting(TimeNs now);
   void erase(std::int64_t id, LibraryStep& step);
   void rename(std::int64_t came, std::int64_t gone);
+  Standing standing(const SurfaceLook& look, const MapObject& object) const;
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
