@@ -6,6 +6,7 @@
 #include "pipeline/base/time.hpp"
 #include "pipeline/objects/label_join.hpp"
 #include "pipeline/objects/library.hpp"
+#include "pipeline/objects/loose_surface.hpp"
 #include "pipeline/objects/restore_block.hpp"
 #include "pipeline/objects/world_journal.hpp"
 
@@ -41,6 +42,7 @@ struct Understanding::Impl {
         segmenter(calibration.camera, options.segment),
         extractor(options.objects.extract, options.integrate.depth_sigma_quadratic_per_m),
         structure(options.structure),
+        loose(options.structure, options.integrate),
         empty(options.empty),
         library(options.objects, options.object, options.integrate, classes_for(options, std::move(classes))),
         join(join_options(options, calibration), library.classes()) {}
@@ -98,6 +100,7 @@ struct Understanding::Impl {
       associated = thread_cpu_now();
       integrate(structure, seen, kStructure, Rigid3{}, options.integrate);
       empty.observe(seen);
+      loose.observe(seen, library);
     }
     const TimeNs end = thread_cpu_now();
     done.times = {ms(segmented - start), ms(associated - segmented), ms(end - associated), ms(end - start)};
@@ -116,6 +119,7 @@ struct Understanding::Impl {
   Segmenter segmenter;
   Extractor extractor;
   Volume structure;
+  LooseSurface loose;
   EmptySpace empty;
   ObjectLibrary library;
   MeshCache structure_mesh{kMeshWeight};
@@ -176,6 +180,7 @@ const LabelCounts& Understanding::labels() const {
 void Understanding::mesh(Mesh& mesh) {
   impl_->structure_mesh.update(impl_->structure);
   impl_->structure_mesh.append_to(mesh, Rigid3{});
+  impl_->loose.append_to(mesh, kMeshWeight);
   for (const auto& object : impl_->library.objects()) {
     if (object->phase != ObjectPhase::confirmed) continue;
     MeshCache cache(kMeshWeight);

@@ -92,6 +92,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
 
   std::vector<const Match*> match_of(reach.size(), nullptr);
   object_of_owner_.clear();
+  integrated_.clear();
   for (const Match& match : association.matches) {
     match_of[static_cast<std::size_t>(match.object)] = &match;
     object_of_owner_[match.owner] = reach[static_cast<std::size_t>(match.object)]->id;
@@ -150,6 +151,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   object.first_absent = object.last_absent = std::nullopt;
   ++object.observations;
   integrate(object.volume, view, match.owner, object.T_world_volume, integrate_options_);
+  integrated_.push_back(match.owner);
   object.looks += look_weight(first.median_depth_m, integrate_options_);
   refresh_shape(object, shape_weight(object), kAssumedDepth);
 }
@@ -359,6 +361,19 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   change.appearance = appearance_of(object.volume);
   change.decided = now;
   return change;
+}
+
+std::vector<std::uint16_t> ObjectLibrary::mapped_owners() const {
+  std::vector<std::uint16_t> owners;
+  for (const std::uint16_t owner : integrated_) {
+    const auto id = object_of_owner_.find(owner);
+    const bool confirmed = id != object_of_owner_.end() && std::ranges::any_of(objects_, [&](const auto& object) {
+                             return object->id == id->second && object->phase == ObjectPhase::confirmed;
+                           });
+    if (confirmed) owners.push_back(owner);
+  }
+  std::ranges::sort(owners);
+  return owners;
 }
 
 void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view,

@@ -32,6 +32,8 @@ class ObjectLibrary {
   // Matches the view's observations and renames the owners of its pixels; integrates them into the objects' volumes.
   // empty: where space was seen empty before this view. The view's pose is trusted.
   void observe(const Extraction& extraction, const EmptySpace& empty, DepthView& view, LibraryStep& step);
+  // Of the view observed last: owners whose pixels are in a confirmed object's volume, sorted.
+  std::vector<std::uint16_t> mapped_owners() const;
   // The landmarks seen on the objects of the view observed last.
   void claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view, LibraryStep& step);
   // Decides what was held back (end of a session).
@@ -80,6 +82,7 @@ class ObjectLibrary {
   std::int64_t next_id_ = 1;
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view
+  std::vector<std::uint16_t> integrated_;                            // owners, of the last view
   struct Owned {
     std::int64_t object = -1;
     std::int32_t slot = -1;
