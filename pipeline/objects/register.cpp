@@ -12,6 +12,7 @@ namespace {
 constexpr int kIterations = 6;
 constexpr std::size_t kMaxPoints = 400;
 constexpr double kPriorShift_m = 0.05, kPriorTurn_rad = 0.10, kSurfaceSigma_m = 0.02;
+constexpr double kTruncated = 0.75;    // of the truncation: free space is further from the surface than that, for sure
 constexpr double kIndependent = 50.0;  // points: the errors of a surface's neighbouring points are much the same
 
 // Motion about the observation's middle: p -> c + Rz(yaw) (p - c) + t.
@@ -39,6 +40,7 @@ Registration register_points(const Observation& observation, const Volume& volum
   if (count == 0) return out;
   motion.middle /= count;
   double radius_m = 0.0;
+  const double farthest_m = kTruncated * volume.options().truncation_m;
 
   Eigen::Vector4d prior;
   prior << Eigen::Vector3d::Constant(1.0 / (kPriorShift_m * kPriorShift_m)), 1.0 / (kPriorTurn_rad * kPriorTurn_rad);
@@ -55,7 +57,7 @@ Registration register_points(const Observation& observation, const Volume& volum
       const std::optional<Volume::Sample> sample = volume.sample(T_volume_world * p);
       if (!sample) continue;
       ++out.known;
-      const double tolerance_m = inlier_m + 3.0 * static_cast<double>(observation.sigma_m[i]);
+      const double tolerance_m = std::min(inlier_m + 3.0 * static_cast<double>(observation.sigma_m[i]), farthest_m);
       if (iteration == 0 && sample->distance_m > tolerance_m) ++out.before;
       const double sigma = std::hypot(kSurfaceSigma_m, static_cast<double>(observation.sigma_m[i]));
       sum_m += std::abs(sample->distance_m);
