@@ -9,6 +9,7 @@
 #include "pipeline/base/time.hpp"
 #include "pipeline/objects/label_join.hpp"
 #include "pipeline/objects/library.hpp"
+#include "pipeline/objects/loose_surface.hpp"
 #include "pipeline/objects/restore_block.hpp"
 #include "pipeline/objects/world_journal.hpp"
 #include "pipeline/structure_anchors.hpp"
@@ -49,6 +50,7 @@ struct Understanding::Impl {
         namer(std::move(its_namer)),
         extractor(options.objects.extract, options.integrate.depth_sigma_quadratic_per_m),
         structure(options.structure),
+        loose(options.structure, options.integrate),
         empty(options.empty),
         library(options.objects, options.object, options.integrate,
                 classes_for(options, std::move(classes), namer.get())),
@@ -84,6 +86,7 @@ struct Understanding::Impl {
       corrections.pop_front();
       library.correct(motions);
       structure_anchors.carry(structure, motions);
+      loose = LooseSurface(options.structure, options.integrate);  // nobody's, and seen again soon
       forget_moved_cells(motions);
     }
     if (view_of_keyframe.empty() || view_of_keyframe.back().keyframe != view.reference_keyframe) {
@@ -153,6 +156,7 @@ struct Understanding::Impl {
       integrate(structure, seen, kStructure, Rigid3{}, options.integrate);
       structure_anchors.note(structure, view.reference_keyframe);
       empty.observe(seen);
+      loose.observe(seen, library);
     }
     const TimeNs end = thread_cpu_now();
     done.times.segment_ms = ms(segmented - start) - done.times.name_ms;
@@ -171,6 +175,7 @@ struct Understanding::Impl {
   Extractor extractor;
   Volume structure;
   StructureAnchors structure_anchors;
+  LooseSurface loose;
   EmptySpace empty;
   struct Correction {
     TimeNs stamp = 0;  // of the first view in the corrected map
@@ -256,6 +261,7 @@ std::string Understanding::naming_error() const {
 void Understanding::mesh(Mesh& mesh) {
   impl_->structure_mesh.update(impl_->structure);
   impl_->structure_mesh.append_to(mesh, Rigid3{});
+  impl_->loose.append_to(mesh, kMeshWeight);
   for (const auto& object : impl_->library.objects()) {
     if (object->phase != ObjectPhase::confirmed) continue;
     MeshCache cache(kMeshWeight);

@@ -27,6 +27,10 @@ Appearance appearance_of(const Volume& volume) {
   return out;
 }
 
+bool is_known(const Appearance& appearance) {
+  return std::ranges::any_of(appearance.share, [](float share) { return share > 0.0F; });
+}
+
 double likeness(const Appearance& a, const Appearance& b) {
   float common = 0.0F;
   for (std::size_t i = 0; i < a.share.size(); ++i) common += std::min(a.share[i], b.share[i]);

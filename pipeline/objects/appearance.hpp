@@ -12,6 +12,8 @@ struct Appearance {
   std::array<float, kLevels * kLevels * kLevels> share{};  // of the surface; sums to 1, all 0: not known
 };
 
+bool is_known(const Appearance& appearance);
+
 Appearance appearance_of(const Volume& volume);
 
 // Histogram intersection [0, 1]; of something not known: 0.

@@ -31,8 +31,16 @@ double cost_of_another_side(const Observation& observation, const MapObject& obj
   return share < kEnough ? kForbidden : 1.0 + (1.0 - share);
 }
 
-Claim claim(const Observation& observation, const MapObject& object, const AssociateOptions& options) {
+// A narrow part seen from afar turns by much with the noise of its depth, and does not go anywhere by it.
+bool in_place(const Registration& fit, const AssociateOptions& options) {
+  const bool turned = fit.turn_rad > options.max_turn_rad && fit.most_turned_m > 0.5 * options.max_shift_m;
+  return !turned && fit.shift_m <= options.max_shift_m;
+}
+
+Claim claim(const Observation& observation, const MapObject& object, Standing standing,
+            const AssociateOptions& options) {
   Claim out;
+  if (standing == Standing::gone) return out;
   if (!near(observation, object, options)) return out;
   const bool other_class = observation.class_binds && observation.class_id != object.class_id();
   if (other_class) return out;  // POCD: cost 1000, which is a veto
@@ -40,26 +48,65 @@ Claim claim(const Observation& observation, const MapObject& object, const Assoc
   const Registration& fit = out.registration;
   const double known = static_cast<double>(fit.known), inliers = static_cast<double>(fit.inliers);
   if (known < options.min_known_share * fit.points) {
-    out.cost = cost_of_another_side(observation, object);
+    if (standing == Standing::whole) out.cost = cost_of_another_side(observation, object);
     return out;
   }
   if (inliers < (1.0 - options.max_outlier_share) * known) return out;
-  if (fit.shift_m > options.max_shift_m || fit.turn_rad > options.max_turn_rad) return out;
+  if (!in_place(fit, options)) return out;
   out.in_place = true;
   out.cost = fit.shift_m * fit.shift_m + fit.turn_rad + (1.0 - inliers / fit.points);
   return out;
 }
 
+// A side met for the first time lies behind the surfaces known from elsewhere, so that it fits none of them.
+bool is_side(const Claim& claim, const Observation& observation, const MapObject& object,
+             const AssociateOptions& options) {
+  const Registration& fit = claim.registration;
+  const bool alike = !observation.class_binds || observation.class_id == object.class_id();
+  return alike && fit.points > 0 && !observation.divided &&
+         fit.before <= options.max_outlier_share * fit.points && lies_within(observation, object.box_world());
+}
+
+void claim_sides(const std::vector<Claim>& claims, std::span<const Observation> observations,
+                 std::span<const MapObject* const> objects, std::span<const Standing> standing,
+                 const AssociateOptions& options, Association& out) {
+  std::erase_if(out.unclaimed, [&](int i) {
+    for (std::size_t j = 0; j < objects.size(); ++j) {
+      const Claim& claim = claims[static_cast<std::size_t>(i) * objects.size() + j];
+      if (standing[j] != Standing::whole ||
+          !is_side(claim, observations[static_cast<std::size_t>(i)], *objects[j], options))
+        continue;
+      const auto known = std::ranges::find(out.matches, static_cast<int>(j), &Match::object);
+      if (known != out.matches.end()) {
+        known->sides.push_back(i);
+      } else {
+        out.matches.push_back({static_cast<int>(j), {i}, {}, claim.registration, false, kNobody});
+      }
+      return true;
+    }
+    return false;
+  });
+}
+
 }  // namespace
 
+bool lies_within(const Observation& observation, const Box& box_world) {
+  constexpr double kGrow_m = 0.05;
+  std::size_t inside = 0;
+  for (const Eigen::Vector3f& p : observation.points_world) {
+    inside += box_world.contains(p.cast<double>(), kGrow_m) ? 1 : 0;
+  }
+  return 2 * inside > observation.points_world.size();
+}
+
 Association associate(std::span<const Observation> observations, std::span<const MapObject* const> objects,
-                      const AssociateOptions& options) {
+                      std::span<const Standing> standing, const AssociateOptions& options) {
   const std::size_t n = observations.size(), m = objects.size();
   std::vector<Claim> claims(n * m);
   Eigen::MatrixXd cost(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(m));
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < m; ++j) {
-      claims[i * m + j] = claim(observations[i], *objects[j], options);
+      claims[i * m + j] = claim(observations[i], *objects[j], standing[j], options);
       cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = claims[i * m + j].cost;
     }
   }
@@ -70,7 +117,7 @@ Association associate(std::span<const Observation> observations, std::span<const
   const auto match = [&](std::size_t i, std::size_t j) {
     match_of[j] = static_cast<int>(out.matches.size());
     const Claim& made = claims[i * m + j];
-    out.matches.push_back({static_cast<int>(j), {static_cast<int>(i)}, made.registration, made.in_place, kNobody});
+    out.matches.push_back({static_cast<int>(j), {static_cast<int>(i)}, {}, made.registration, made.in_place, kNobody});
   };
   for (std::size_t i = 0; i < n; ++i) {
     if (object_of[i] >= 0) match(i, static_cast<std::size_t>(object_of[i]));
@@ -105,6 +152,7 @@ Association associate(std::span<const Observation> observations, std::span<const
       }
     }
   }
+  claim_sides(claims, observations, objects, standing, options, out);
   return out;
 }
 
@@ -116,6 +164,7 @@ void mark_owners(Association& association, std::span<const Observation> observat
   for (std::size_t k = 0; k < association.matches.size(); ++k) {
     association.matches[k].owner = next++;
     for (const int i : association.matches[k].observations) matches_of[static_cast<std::size_t>(i)].push_back(k);
+    for (const int i : association.matches[k].sides) matches_of[static_cast<std::size_t>(i)].push_back(k);
   }
   for (const int i : association.unclaimed) {
     association.unclaimed_owner.push_back(next);

@@ -14,6 +14,7 @@ namespace povslam {
 struct Match {
   int object = -1;                // index into the objects given
   std::vector<int> observations;  // indices; the first is the one assigned, others are further parts
+  std::vector<int> sides;         // further ones, within its box: sides of it that it does not know yet
   Registration registration;      // of the first
   bool known_surface = false;     // it lies on surface the object knows; else only beside it (another side)
   std::uint16_t owner = kNobody;  // of its pixels, after mark_owners()
@@ -26,8 +27,18 @@ struct Association {
   std::vector<std::pair<int, int>> one_seen_as;  // objects that lay on one observation together, lower index first
 };
 
+// Most of its points lie within the object's box, or hardly beside it.
+bool lies_within(const Observation& observation, const Box& box_world);
+
+enum class Standing : std::uint8_t {
+  whole,
+  broken,  // seen through here and there: what lies beside its known surface is not taken for another side of it
+  gone     // seen through more than not: whatever is there now is something else
+};
+
+// standing: of each object, as this view shows it.
 Association associate(std::span<const Observation> observations, std::span<const MapObject* const> objects,
-                      const AssociateOptions& options);
+                      std::span<const Standing> standing, const AssociateOptions& options);
 
 // Renames the owners of the view's pixels: each match and each unclaimed observation its own. Where objects share an
 // observation, a pixel is of the one whose surface it lies nearest to.

@@ -43,6 +43,27 @@ void EventDesk::found(PlaceChange change) {
   constexpr std::size_t kRemembered = 256;
   if (found_.size() > kRemembered) found_.erase(found_.begin());
 }
+void EventDesk::refresh(PlaceChange change) {
+  for (std::vector<PlaceChange>* things : {&came_, &found_}) {
+    const auto known = std::ranges::find(*things, change.object, &PlaceChange::object);
+    if (known == things->end()) continue;
+    change.decided = known->decided;
+    change.probability = known->probability;
+    change.evidence.first_absent = known->evidence.first_absent;
+    change.evidence.last_absent = known->evidence.last_absent;
+    *known = std::move(change);
+    return;
+  }
+}
+
+std::vector<std::int64_t> EventDesk::waiting() const {
+  std::vector<std::int64_t> ids;
+  for (const std::vector<PlaceChange>* things : {&came_, &found_}) {
+    for (const PlaceChange& change : *things) ids.push_back(change.object);
+  }
+  return ids;
+}
+
 void EventDesk::withdraw(std::int64_t object) {
   const auto is_it = [object](const PlaceChange& change) { return change.object == object; };
   std::erase_if(came_, is_it);
@@ -89,48 +110,60 @@ bool EventDesk::alike(const PlaceChange& gone, const PlaceChange& came) const {
          ((same(a.x(), b.x()) && same(a.y(), b.y())) || (same(a.x(), b.y()) && same(a.y(), b.x())));
 }
 
-// The most alike in looks; one whose coming was not noticed must be it without doubt.
-std::vector<PlaceChange>::iterator EventDesk::origin_of(const PlaceChange& came, bool noticed) {
-  auto best = gone_.end();
-  double most = -1.0;
-  for (auto from = gone_.begin(); from != gone_.end(); ++from) {
-    if (!alike(*from, came)) continue;
-    const double looks = likeness(from->appearance, came.appearance);
-    const double distance_m = (from->place.position - came.place.position).norm();
-    if (!noticed && (looks < options_.min_likeness || distance_m > options_.max_unnoticed_m ||
-                     came.evidence.first_present <= from->evidence.last_present)) {
-      continue;
-    }
-    constexpr double kPerMetre = 0.05;  // of two that look the same, the nearer
-    if (looks - kPerMetre * distance_m > most) most = looks - kPerMetre * distance_m, best = from;
+// How well the two go together, at least 0; below: not at all. What is near is paired at once, what is further off when
+// one of the two cannot wait any longer.
+double EventDesk::pairing(const PlaceChange& gone, const PlaceChange& came, bool noticed, TimeNs until) const {
+  constexpr double kNot = -1.0, kPerMetre = 0.1, kOverlap = 0.15;
+  if (!alike(gone, came)) return kNot;
+  const bool unknown = noticed && !(is_known(gone.appearance) && is_known(came.appearance));
+  const double looks = unknown ? options_.min_likeness : likeness(gone.appearance, came.appearance);
+  const double distance_m = (gone.place.position - came.place.position).norm();
+  const bool near = distance_m <= options_.max_near_m;
+  if (looks < (noticed ? options_.min_likeness : options_.min_unnoticed_likeness)) return kNot;
+  if (noticed) {
+    if (!near && gone.decided > until && came.decided > until) return kNot;
+  } else {
+    const Box from{gone.place.position, gone.size_m, gone.place.yaw},
+        to{came.place.position, came.size_m, came.place.yaw};
+    const bool both_stood =
+        came.evidence.first_present <= gone.evidence.last_present && overlap(from, to).of_smaller < kOverlap;
+    if (!near || both_stood) return kNot;
   }
-  return best;
+  return 1.0 + looks - kPerMetre * std::min(distance_m, options_.max_near_m);
 }
 
-void EventDesk::pair_with_gone(std::vector<PlaceChange>& things, bool noticed, TimeNs now,
-                               std::vector<ObjectEvent>& events) {
-  for (auto to = things.begin(); to != things.end();) {
-    const auto from = origin_of(*to, noticed);
-    if (from == gone_.end()) {
-      ++to;
-      continue;
+// The pair that goes together best becomes an event; false: there is none.
+bool EventDesk::pair_best(TimeNs now, std::vector<ObjectEvent>& events) {
+  struct Pair {
+    double score = 0.0;
+    std::vector<PlaceChange>::iterator gone, came;
+    bool noticed = false;
+  } best;
+  for (const bool noticed : {true, false}) {
+    std::vector<PlaceChange>& things = noticed ? came_ : found_;
+    for (auto to = things.begin(); to != things.end(); ++to) {
+      for (auto from = gone_.begin(); from != gone_.end(); ++from) {
+        const double score = pairing(*from, *to, noticed, now - options_.hold);
+        if (score > best.score) best = {score, from, to, noticed};
+      }
     }
-    ObjectEvent event = make(ObjectEventType::moved, *to, now);
-    event.object = from->object;
-    if (!to->named) event.class_name = from->class_name;
-    event.from = from->place;
-    event.probability = from->probability * to->probability;
-    if (from->evidence.first_absent) event.evidence.first_absent = from->evidence.first_absent;
-    events.push_back(std::move(event));
-    renamed_(to->object, from->object);
-    gone_.erase(from);
-    to = things.erase(to);
   }
+  if (best.score <= 0.0) return false;
+  ObjectEvent event = make(ObjectEventType::moved, *best.came, now);
+  event.object = best.gone->object;
+  if (!best.came->named) event.class_name = best.gone->class_name;
+  event.from = best.gone->place;
+  event.probability = best.gone->probability * best.came->probability;
+  if (best.gone->evidence.first_absent) event.evidence.first_absent = best.gone->evidence.first_absent;
+  events.push_back(std::move(event));
+  renamed_(best.came->object, best.gone->object);
+  gone_.erase(best.gone);
+  (best.noticed ? came_ : found_).erase(best.came);
+  return true;
 }
 
 void EventDesk::decide(TimeNs now, std::vector<ObjectEvent>& events) {
-  pair_with_gone(came_, true, now, events);
-  pair_with_gone(found_, false, now, events);
+  while (pair_best(now, events)) continue;
   const TimeNs until = now - options_.hold;
   tell_old(gone_, until, [&](const PlaceChange& c) { events.push_back(make(ObjectEventType::removed, c, now)); });
   tell_old(came_, until, [&](const PlaceChange& c) { events.push_back(make(ObjectEventType::appeared, c, now)); });

@@ -28,8 +28,9 @@ struct PlaceChange {  // a thing went from a place, or came to one
 struct EventDeskOptions {
   TimeNs hold = 8 * kNsPerSecond;       // an event waits so long for its other half
   double max_size_ratio = 1.35;         // between two looks at one thing, each extent…
-  double min_likeness = 0.5;            // of their looks, to pair a thing with one whose coming was not noticed…
-  double max_unnoticed_m = 3.0;         // …and how far that may be
+  double min_likeness = 0.3;            // of their looks, where both are known
+  double max_near_m = 3.0;              // what moved further is paired only when nothing nearer came up in the meantime
+  double min_unnoticed_likeness = 0.5;  // of the looks of a thing that went and one whose coming was not noticed
   double max_size_difference_m = 0.15;  // …or this much
 };
 
@@ -43,6 +44,10 @@ class EventDesk {
   void came(PlaceChange change);
   // A thing whose place had not been seen before: it came if it is one that went, else it was always there.
   void found(PlaceChange change);
+  // What is known by now of a thing that came or was found and waits here; its times and evidence stay.
+  void refresh(PlaceChange change);
+  std::vector<std::int64_t> waiting() const;  // things that came or were found
+  bool any_gone() const { return !gone_.empty(); }
   // A thing that was to come is none after all.
   void withdraw(std::int64_t object);
   // Places that hang on keyframes that were moved move along.
@@ -57,8 +62,8 @@ class EventDesk {
  private:
   ObjectEvent make(ObjectEventType type, const PlaceChange& change, TimeNs now);
   bool alike(const PlaceChange& gone, const PlaceChange& came) const;
-  std::vector<PlaceChange>::iterator origin_of(const PlaceChange& came, bool noticed);
-  void pair_with_gone(std::vector<PlaceChange>& things, bool noticed, TimeNs now, std::vector<ObjectEvent>& events);
+  double pairing(const PlaceChange& gone, const PlaceChange& came, bool noticed, TimeNs until) const;
+  bool pair_best(TimeNs now, std::vector<ObjectEvent>& events);
 
   EventDeskOptions options_;
   std::int64_t next_seq_;

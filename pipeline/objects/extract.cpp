@@ -125,12 +125,14 @@ struct Extractor::Impl {
   // Neighbours of one class in a row of cells, hardly apart, neither behind the other, are two things side by side.
   void mark_divided(const std::vector<std::uint16_t>& owner) {
     constexpr int kApart = 8, kRows = 5;
+    constexpr float kBehind_m = 0.15F, kBehindShare = 0.02F;  // on a row seen slantingly one is that much further
     std::map<std::pair<std::uint16_t, std::uint16_t>, int> rows;
     for (int y = 0; y < value.height(); ++y) {
       for (int x = 0, last = -1; x < value.width(); ++x) {
         const std::int32_t component = finder.component_at(x, y);
         if (component < 0 || owner[static_cast<std::size_t>(component)] == kNobody) continue;
-        if (last >= 0 && x - last <= kApart && value.at(last, y) == value.at(x, y)) {
+        if (last >= 0 && x - last <= kApart && value.at(last, y) == value.at(x, y) &&
+            std::abs(depth.at(x, y) - depth.at(last, y)) < kBehind_m + kBehindShare * depth.at(x, y)) {
           const std::uint16_t a = owner[static_cast<std::size_t>(finder.component_at(last, y))];
           const std::uint16_t b = owner[static_cast<std::size_t>(component)];
           if (a != b) ++rows[std::minmax(a, b)];

@@ -74,18 +74,25 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   step = {};
   const std::vector<MapObject*> reach = in_reach(view);
   const std::vector<const MapObject*> known(reach.begin(), reach.end());
-  Association association = associate(extraction.observations, known, options_.associate);
+  std::vector<SurfaceLook> looks;
+  std::vector<Standing> stands;
+  for (const MapObject* object : reach) {
+    looks.push_back(look_at(object->surface, view, object->T_world_volume, options_.life.margin_m));
+    stands.push_back(standing(looks.back(), *object));
+  }
+  Association association = associate(extraction.observations, known, stands, options_.associate);
   mark_owners(association, extraction.observations, known, view);
 
   std::vector<const Match*> match_of(reach.size(), nullptr);
   object_of_owner_.clear();
+  integrated_.clear();
   for (const Match& match : association.matches) {
     match_of[static_cast<std::size_t>(match.object)] = &match;
     object_of_owner_[match.owner] = reach[static_cast<std::size_t>(match.object)]->id;
   }
   for (std::size_t j = 0; j < reach.size(); ++j) {
     MapObject& object = *reach[j];
-    const SurfaceLook look = look_at(object.surface, view, object.T_world_volume, options_.life.margin_m);
+    const SurfaceLook& look = looks[j];
     if (match_of[j] != nullptr) {
       take(*match_of[j], object, extraction, view, look);
       confirm(object, empty);
@@ -96,11 +103,12 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   }
   for (std::size_t u = 0; u < association.unclaimed.size(); ++u) {
     const Observation& unclaimed = extraction.observations[static_cast<std::size_t>(association.unclaimed[u])];
-    if (!inside_known(unclaimed, reach)) start(unclaimed, association.unclaimed_owner[u], view);
+    if (!inside_known(unclaimed, reach, stands)) start(unclaimed, association.unclaimed_owner[u], view);
   }
   divide(association, extraction, reach, step);
   merge_duplicates(association, reach, step);
   drop_unbelieved(view.stamp, step);
+  refresh_waiting(view.stamp);
   desk_.decide(view.stamp, step.events);
   for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone, step);
 }
@@ -109,6 +117,14 @@ bool ObjectLibrary::contradicted(const SurfaceLook& look, const MapObject& objec
   const int enough = std::min<int>(options_.life.visible_points, static_cast<int>(object.surface.size()) / 2);
   return look.seen_through >= std::max(enough, 5) &&
          look.seen_through > options_.life.visible_share * (look.agree + look.seen_through);
+}
+
+Standing ObjectLibrary::standing(const SurfaceLook& look, const MapObject& object) const {
+  if (!contradicted(look, object)) return Standing::whole;
+  const double share =
+      static_cast<double>(look.seen_through) / static_cast<double>(std::max<std::size_t>(1, object.surface.size()));
+  const bool gone = share >= 0.5 * options_.life.visible_share && look.seen_through >= look.agree;
+  return gone ? Standing::gone : Standing::broken;
 }
 
 void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view,
@@ -132,10 +148,8 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   object.last_seen = view.stamp;
   object.first_absent = object.last_absent = std::nullopt;
   ++object.observations;
-  const Rigid3 T_world_volume = match.known_surface
-                                    ? match.registration.T_fitted_observed.inverse() * object.T_world_volume
-                                    : object.T_world_volume;
-  integrate(object.volume, view, match.owner, T_world_volume, integrate_options_);
+  integrate(object.volume, view, match.owner, object.T_world_volume, integrate_options_);
+  integrated_.push_back(match.owner);
   object.looks += look_weight(first.median_depth_m, integrate_options_);
   refresh_shape(object, shape_weight(object), kAssumedDepth);
 }
@@ -143,9 +157,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
 // Absence is believed where the camera saw through the object's place; what still stands and was only not told apart
 // is not absent (see the design's method 1.5).
 void ObjectLibrary::miss(MapObject& object, const SurfaceLook& look, TimeNs now) {
-  const double share =
-      static_cast<double>(look.seen_through) / static_cast<double>(std::max<std::size_t>(1, object.surface.size()));
-  if (!contradicted(look, object) || share < 0.5 * options_.life.visible_share || look.seen_through < look.agree) {
+  if (standing(look, object) != Standing::gone) {
     if (look.agree > 2 * (look.seen_through + 10) && object.phase == ObjectPhase::confirmed) object.last_seen = now;
     return;
   }
@@ -176,15 +188,13 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
 }
 
 // What lies within an object that still stands is a part of it that was not told to be.
-bool ObjectLibrary::inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const {
-  constexpr double kGrow_m = 0.05;
-  for (const MapObject* object : reach) {
-    if (object->phase != ObjectPhase::confirmed || object->first_absent) continue;
-    if (observation.class_binds && object->class_id() != observation.class_id) continue;
-    const Box box = object->box_world();
-    std::size_t inside = 0;
-    for (const Eigen::Vector3f& p : observation.points_world) inside += box.contains(p.cast<double>(), kGrow_m) ? 1 : 0;
-    if (2 * inside > observation.points_world.size()) return true;
+bool ObjectLibrary::inside_known(const Observation& observation, const std::vector<MapObject*>& reach,
+                                 std::span<const Standing> stands) const {
+  for (std::size_t j = 0; j < reach.size(); ++j) {
+    const MapObject& object = *reach[j];
+    if (stands[j] != Standing::whole || object.phase != ObjectPhase::confirmed || object.first_absent) continue;
+    const bool alike = !observation.class_binds || object.class_id() == observation.class_id;
+    if (alike && lies_within(observation, object.box_world())) return true;
   }
   return false;
 }
@@ -309,6 +319,15 @@ void ObjectLibrary::remember_place(const MapObject& object) {
   if (old_places_.size() > kOldPlaces) old_places_.erase(old_places_.begin());
 }
 
+// A thing is often told to have come when little of it was seen: what it is like shows while its event waits.
+void ObjectLibrary::refresh_waiting(TimeNs now) {
+  if (!desk_.any_gone()) return;
+  for (const std::int64_t id : desk_.waiting()) {
+    const auto known = std::ranges::find(objects_, id, [](const auto& object) { return object->id; });
+    if (known != objects_.end()) desk_.refresh(change_of(**known, now));
+  }
+}
+
 void ObjectLibrary::erase(std::int64_t id, std::int64_t heir, LibraryStep& step) {
   std::erase_if(objects_, [id](const auto& object) { return object->id == id; });
   std::erase(step.changed, id);
@@ -361,6 +380,19 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   change.decided = now;
   change.keyframe = object.keyframe;
   return change;
+}
+
+std::vector<std::uint16_t> ObjectLibrary::mapped_owners() const {
+  std::vector<std::uint16_t> owners;
+  for (const std::uint16_t owner : integrated_) {
+    const auto id = object_of_owner_.find(owner);
+    const bool confirmed = id != object_of_owner_.end() && std::ranges::any_of(objects_, [&](const auto& object) {
+                             return object->id == id->second && object->phase == ObjectPhase::confirmed;
+                           });
+    if (confirmed) owners.push_back(owner);
+  }
+  std::ranges::sort(owners);
+  return owners;
 }
 
 void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view,

@@ -37,6 +37,8 @@ class ObjectLibrary {
   std::vector<ObjectBelief> beliefs(const LibraryStep& step) const;
   // Of an earlier session: whose landmarks are whose, and what is believed of all.
   void tell_restored(std::vector<LandmarkOwner>& owners, std::vector<ObjectBelief>& beliefs) const;
+  // Of the view observed last: owners whose pixels are in a confirmed object's volume, sorted.
+  std::vector<std::uint16_t> mapped_owners() const;
   // The landmarks seen on the objects of the view observed last.
   void claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view, LibraryStep& step);
   // Objects that tracking sees and does not believe where they were: their shapes are left alone until it does again.
@@ -66,7 +68,8 @@ class ObjectLibrary {
             const SurfaceLook& look);
   void doubt_part(const Match& match, MapObject& object, const Extraction& extraction, const DepthView& view);
   void miss(MapObject& object, const SurfaceLook& look, TimeNs now);
-  bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach) const;
+  bool inside_known(const Observation& observation, const std::vector<MapObject*>& reach,
+                    std::span<const Standing> standing) const;
   bool stands_in_old_place(const MapObject& object) const;
   double share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const;
   void start(const Observation& observation, std::uint16_t owner, const DepthView& view);
@@ -81,6 +84,8 @@ class ObjectLibrary {
   void rename(std::int64_t came, std::int64_t gone, LibraryStep& step);
   void remember_place(const MapObject& object);
   ObjectRecord record_without_landmarks(const MapObject& object) const;
+  void refresh_waiting(TimeNs now);
+  Standing standing(const SurfaceLook& look, const MapObject& object) const;
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
@@ -94,6 +99,7 @@ class ObjectLibrary {
   std::int64_t next_id_ = 1;
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view
+  std::vector<std::uint16_t> integrated_;                            // owners, of the last view
   struct Owned {
     std::int64_t object = -1;
     std::int32_t slot = -1;

@@ -15,6 +15,8 @@ struct Registration {
   int points = 0;
   int known = 0;                 // of the points lie where the object's volume knows something…
   int inliers = 0;               // …of which so many on its surface
+  int before = 0;                // …and so many clearly before it, in space held for free, before any motion
+  double most_turned_m = 0.0;    // how far the turn alone moves the observation's outermost points
   double mean_distance_m = 0.0;  // of the known ones from the surface, before any motion
 };
 

@@ -89,6 +89,58 @@ TEST_F(EventDeskTest, PairsAThingWithTheNearestOfThoseAlike) {
   EXPECT_EQ(events[0].object, 2);
 }
 
+TEST_F(EventDeskTest, GivesEachThingTheOriginThatSuitsAllBest) {
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.gone(thing(2, 2.0, from_seconds(10)));
+  desk.came(thing(3, 1.4, from_seconds(10)));
+  desk.came(thing(4, 2.1, from_seconds(10)));
+  decide(10.0);
+  ASSERT_EQ(renamed.size(), 2U);
+  EXPECT_EQ(renamed[0], std::make_pair(std::int64_t{4}, std::int64_t{2}));
+  EXPECT_EQ(renamed[1], std::make_pair(std::int64_t{3}, std::int64_t{1}));
+}
+
+TEST_F(EventDeskTest, WaitsWithAFarPairForANearerOne) {
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.came(thing(2, 6.0, from_seconds(11)));
+  decide(12.0);
+  EXPECT_TRUE(events.empty());
+  desk.came(thing(3, 0.7, from_seconds(13)));
+  decide(13.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(renamed[0].first, 3);
+}
+
+TEST_F(EventDeskTest, PairsWhatShowsItselfAlikeOnlyWhileItWaits) {
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.came(thing(2, 0.7, from_seconds(10), "box", {0.3, 0.2, 0.5}));
+  decide(10.0);
+  EXPECT_TRUE(events.empty());
+  desk.refresh(thing(2, 0.8, from_seconds(12)));
+  decide(12.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+  EXPECT_EQ(events[0].place.position.x(), 0.8);
+}
+
+TEST_F(EventDeskTest, AThingFoundCameFromNearbyOnlyIfItLooksTheSameAndBothCannotHaveStood) {
+  PlaceChange gone = thing(1, 0.0, from_seconds(10)), found = thing(2, 0.5, from_seconds(10));
+  gone.appearance.share[0] = found.appearance.share[0] = 1.0F;
+  gone.evidence.last_present = from_seconds(9);
+  found.evidence.first_present = from_seconds(8);  // their boxes overlap: one of the two was taken for the other
+  PlaceChange beside = found;
+  beside.object = 3;
+  beside.place.position.x() = 1.5;
+  desk.gone(gone);
+  desk.found(beside);
+  decide(10.0);
+  EXPECT_TRUE(events.empty()) << "it stood there before the other went";
+  desk.found(found);
+  decide(10.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(renamed[0].first, 2);
+}
+
 TEST_F(EventDeskTest, ForgetsWhatIsWithdrawn) {
   desk.came(thing(3, 2.8, from_seconds(10)));
   desk.withdraw(3);

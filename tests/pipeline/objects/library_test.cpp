@@ -139,6 +139,49 @@ TEST_F(LibraryStory, ThingsSideBySideAreTwo) {
   ASSERT_EQ(confirmed().size(), 2U);
 }
 
+TEST_F(LibraryStory, AnotherSideOfAThingIsLearnedThoughItLiesBehindTheKnownOne) {
+  world.things = {{{{2.5, 0.0, 0.35}, {0.8, 0.8, 0.7}, 0.0}}};
+  for (int i = 0; i < 10; ++i) look(SmallWorld::looking({0.5 + 0.02 * i, 0.0}, {2.5, 0.0}));
+  for (int i = 0; i < 10; ++i) look(SmallWorld::looking({2.5, -1.8 + 0.01 * i}, {2.5, 0.0}));
+  ASSERT_EQ(confirmed().size(), 1U);
+  const MapObject& object = *confirmed()[0];
+  int front = 0, right = 0;
+  for (const SurfacePoint& point : object.surface) {
+    const Eigen::Vector3d p = object.T_world_volume * point.p_volume.cast<double>();
+    front += std::abs(p.x() - 2.1) < 0.06 ? 1 : 0;
+    right += std::abs(p.y() + 0.4) < 0.06 ? 1 : 0;
+  }
+  EXPECT_GT(front, 100);
+  EXPECT_GT(right, 100);
+}
+
+TEST_F(LibraryStory, ASurfaceStaysWhereItIsHoweverOftenItIsSeen) {
+  const Box box{{2.5, 0.0, 0.35}, {0.8, 0.8, 0.7}, 0.0};
+  world.things = {{box}};
+  for (int i = 0; i < 30; ++i) look(SmallWorld::looking({-1.4 + 0.08 * i, -1.2}, {2.5, -0.4}));
+  ASSERT_EQ(confirmed().size(), 1U);
+  EXPECT_GT(confirmed()[0]->observations, 25);
+  int off = 0;
+  for (const SurfacePoint& point : confirmed()[0]->surface) {
+    off += box.contains(confirmed()[0]->T_world_volume * point.p_volume.cast<double>(), 0.05) ? 0 : 1;
+  }
+  EXPECT_LT(20 * off, static_cast<int>(confirmed()[0]->surface.size()));
+}
+
+TEST_F(LibraryStory, WhatMovesByLessThanItsSizeIsNotItsOldSelfSeenFromAnotherSide) {
+  world.things = {{{{2.5, 0.0, 0.35}, {0.8, 0.8, 0.7}, 0.0}}};
+  drive(20);
+  ASSERT_EQ(confirmed().size(), 1U);
+  const std::int64_t id = confirmed()[0]->id;
+  world.things = {{{{2.9, 0.6, 0.35}, {0.8, 0.8, 0.7}, 0.3}}};
+  drive(20);
+  finish();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+  ASSERT_EQ(confirmed().size(), 1U);
+  EXPECT_EQ(confirmed()[0]->id, id);
+}
+
 TEST_F(LibraryStory, OwnsTheLandmarksOnIt) {
   world.things = {{carton(2.5, 0.0)}};
   drive(10);

@@ -71,7 +71,7 @@ TEST_F(PartStory, ATakenHalfIsRemovedAndTheOtherHalfStaysWhatItWas) {
   EXPECT_GT(*events[0].evidence.first_absent, events[0].evidence.last_present);
   ASSERT_EQ(confirmed().size(), 1U);
   EXPECT_EQ(confirmed()[0]->id, id);
-  EXPECT_GT(overlap(confirmed()[0]->box_world(), left.box).iou, 0.6);
+  EXPECT_GT(overlap(confirmed()[0]->box_world(), left.box).iou, 0.5);
 }
 
 TEST_F(PartStory, ATakenHalfThatIsFoundElsewhereMoved) {
@@ -98,7 +98,7 @@ TEST_F(PartStory, TheOtherHalfCanGoLater) {
   finish();
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[1].type, ObjectEventType::removed);
-  EXPECT_LT((events[1].place.position - left.box.center).norm(), 0.15);
+  EXPECT_LT((events[1].place.position - left.box.center).norm(), 0.25);
   EXPECT_TRUE(confirmed().empty());
 }
 
