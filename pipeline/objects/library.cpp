@@ -132,6 +132,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   }
   if (contradicted(look, object)) return;  // part of it is gone: its shape must not be painted over
   if (std::ranges::find(doubted_, object.id) != doubted_.end()) return;
+  object.divided = object.divided || (match.observations.size() == 1 && first.divided);
   object.last_seen = view.stamp;
   object.first_absent = object.last_absent = std::nullopt;
   ++object.observations;

@@ -24,6 +24,16 @@ std::array<int, 4> seen_sides(const std::vector<SurfacePoint>& surface, double y
   return seen;
 }
 
+// A top that is seen is seen to its far edge: no depth is left to assume.
+bool top_seen(const std::vector<SurfacePoint>& surface, const Box& box, double spacing_m) {
+  constexpr double kShare = 0.5;
+  const double top_m = box.center.z() + 0.5 * box.size_m.z() - spacing_m;
+  const auto count = std::ranges::count_if(surface, [&](const SurfacePoint& point) {
+    return point.normal.z() > 0.8F && static_cast<double>(point.p_volume.z()) > top_m;
+  });
+  return static_cast<double>(count) * spacing_m * spacing_m > kShare * box.size_m.x() * box.size_m.y();
+}
+
 double assumed_depth_m(double width_m, double height_m, double share) {
   constexpr double kDeepest_m = 1.0;
   return std::min(share * std::min(width_m, height_m), kDeepest_m);
@@ -73,6 +83,7 @@ void refresh_shape(MapObject& object, double min_weight, double assumed_depth) {
   if (all.size() < 3) return;
   const double yaw = fit_box(3 * sides.size() >= all.size() ? sides : all, kBoxTrim).yaw;
   object.box = fit_box_at(all, yaw, kBoxTrim);
+  if (top_seen(object.surface, object.box, object.volume.options().voxel_size_m)) return;
   const std::array<int, 4> seen = seen_sides(object.surface, yaw);
   const Eigen::Vector3d size = object.box.size_m;
   assume_depth(object.box, 0, seen[0], seen[1], assumed_depth_m(size.y(), size.z(), assumed_depth));
