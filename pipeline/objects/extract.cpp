@@ -74,6 +74,14 @@ struct Extractor::Impl {
     grooves.find(separable, view, groove);
   }
 
+  // A groove may be narrower than a cell: half of it is enough to divide.
+  bool grooved(int x, int y) const {
+    if (groove.empty()) return false;
+    int pixels = 0;
+    for (int k = 0; k < 4; ++k) pixels += groove.at(2 * x + (k & 1), 2 * y + (k >> 1)) != 0 ? 1 : 0;
+    return pixels >= 2;
+  }
+
   // The cell's pixel with depth, the first of four.
   template <class Value, class Wanted>
   void fill_cells(const Image<Value>& image, const DepthView& view, const Wanted& wanted) {
@@ -83,12 +91,12 @@ struct Extractor::Impl {
       for (int x = 0; x < value.width(); ++x) {
         value.at(x, y) = 0;
         depth.at(x, y) = 0.0F;
+        if (grooved(x, y)) continue;
         for (int k = 0; k < 4; ++k) {
           const int u = 2 * x + (k & 1), v = 2 * y + (k >> 1);
           const float z = view.depth_m.at(u, v);
           if (!(z > 0.0F) || static_cast<double>(z) > options.max_depth_m) continue;
           if (!wanted(image.at(u, v)) || !uniform(image, u, v)) continue;
-          if (!groove.empty() && groove.at(u, v) != 0) continue;
           value.at(x, y) = static_cast<std::uint16_t>(image.at(u, v));
           depth.at(x, y) = z;
           break;

@@ -10,7 +10,8 @@ constexpr int kInner = 1, kNear = 3, kFar = 7;  // columns: the groove's, and fr
 constexpr double kSigmas = 3.0;
 constexpr double kShallowest_m = 0.005;
 constexpr float kFilled = 0.6F;  // of each window
-constexpr int kClosed = 4;       // rows without evidence that a groove may pass
+constexpr int kEnd = 6;          // rows without evidence that a groove may pass…
+constexpr int kLong = 8;         // …and, one at least so long, go on beyond its ends
 
 }  // namespace
 
@@ -70,15 +71,34 @@ void GrooveFinder::find(const ImageU16& value, const DepthView& view, ImageU8& g
       if (behind > kSigmas * noise && depth_m > kShallowest_m) groove.at(x, y) = 1;
     }
   }
-  for (int x = 0; x < width_; ++x) {  // a groove goes on through rows where noise hid it
-    for (int y = 0, last = -height_; y < height_; ++y) {
-      if (groove.at(x, y) == 0) continue;
-      if (y - last <= kClosed + 1) {
-        for (int k = last + 1; k < y; ++k) groove.at(x, k) = 1;
-      }
-      last = y;
+  for (int x = 0; x < width_; ++x) close_rows(value, x, groove);
+}
+
+// A groove goes on through rows where noise hid it, and one of some length to the end of its thing, where the windows
+// ran out of it.
+void GrooveFinder::close_rows(const ImageU16& value, int x, ImageU8& groove) const {
+  const auto carry_on = [&](int from, int step) {
+    for (int y = from, k = 0; k <= kEnd && y >= 0 && y < height_ && value.at(x, y) == value.at(x, from); y += step) {
+      groove.at(x, y) = 1;
+      ++k;
     }
+  };
+  int first = -1, last = -height_;
+  const auto end = [&] {
+    if (first < 0 || last - first < kLong) return;
+    carry_on(first, -1);
+    carry_on(last, 1);
+  };
+  for (int y = 0; y < height_; ++y) {
+    if (groove.at(x, y) == 0) continue;
+    if (y - last > kEnd + 1) {
+      end();
+      first = y;
+    }
+    for (int k = std::max(first, last + 1); k < y; ++k) groove.at(x, k) = 1;
+    last = y;
   }
+  end();
 }
 
 }  // namespace povslam

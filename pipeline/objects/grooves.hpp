@@ -24,6 +24,8 @@ class GrooveFinder {
   void sum_columns(const ImageU16& value, const ImageF& depth_m);
   Sum mean(int x, int y, int from, int to) const;  // of columns x + from … x + to, rows about y
 
+  void close_rows(const ImageU16& value, int x, ImageU8& groove) const;
+
   double sigma_;  // of inverse depth [1/m], one pixel
   int width_ = 0, height_ = 0;
   std::vector<double> depth_sum_;  // summed-area tables, one row and column larger

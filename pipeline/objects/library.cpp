@@ -145,6 +145,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   }
   object.part_belief.reset();
   if (std::ranges::find(doubted_, object.id) != doubted_.end()) return;
+  object.divided = object.divided || (match.observations.size() == 1 && first.divided);
   object.last_seen = view.stamp;
   object.first_absent = object.last_absent = std::nullopt;
   ++object.observations;
