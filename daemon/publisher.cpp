@@ -212,6 +212,11 @@ void Publisher::on_health(const Health& health) {
   message.landmarks = health.map.landmarks;
   message.backend_runs = health.backend_runs;
   message.backend_last_ms = health.backend_last_ms;
+  message.vem_runs = health.vem_runs;
+  message.vem_last_ms = health.vem_last_ms;
+  message.objects_doubted = health.vem.doubted;
+  message.objects_believed_again = health.vem.believed_again;
+  message.pose_corrections = health.vem.corrections;
   message.map_store = static_cast<std::int8_t>(health.store.state);
   message.map_commits = health.store.commits;
   message.map_commit_age_s = health.store.commit_age_s;

@@ -91,6 +91,7 @@ void Reporter::take(const TrackedFrame& frame) {
     tracking_ms_.push_back(frame.pose.times.total_ms);
   }
   map_ = frame.map;
+  vem_ = frame.vem;
   if (std::exchange(state_, frame.pose.state) != frame.pose.state) {
     state_changed_ = true;
     changed_.notify_one();
@@ -164,6 +165,9 @@ Health Reporter::collect() {
   health.map = map_;
   health.backend_runs = counters_.backend.runs.load();
   health.backend_last_ms = to_ms(counters_.backend.last.load());
+  health.vem_runs = counters_.vem.runs.load();
+  health.vem_last_ms = to_ms(counters_.vem.last.load());
+  health.vem = vem_;
   health.store = store_health(counters_, now);
   health.understanding = {counters_.views.load(), counters_.views_dropped.load(), counters_.labels_dropped.load(),
                           news_, percentiles(understand_ms_)};

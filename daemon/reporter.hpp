@@ -53,6 +53,7 @@ class Reporter {
   const TrackingThread* tracking_ = nullptr;
   TrackState state_ = TrackState::initialising;
   MapSize map_;
+  VemCounts vem_;
   std::optional<ObjectSnapshot> objects_;                          // the newest; nothing: nobody understands
   UnderstandingNews news_;                                         // the last
   std::vector<float> latencies_ms_, tracking_ms_, understand_ms_;  // of the period

@@ -44,6 +44,10 @@ void Service::on_health(const Health& health) {
     sd_notifyf(0, "STATUS=%s", text.c_str());
     if (any_health_ || health.state != TrackState::initialising) log::info("{}", text);
   }
+  if (any_health_ && health.vem.corrections > last_.vem.corrections) {
+    log::warn("the pose was corrected: tracking had followed things that moved ({} times so far)",
+              health.vem.corrections);
+  }
   any_health_ = true;
   last_ = health;
 }

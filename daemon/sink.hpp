@@ -7,12 +7,14 @@
 #include "daemon/counters.hpp"
 #include "daemon/world_report.hpp"
 #include "pipeline/output.hpp"
+#include "pipeline/vem_counts.hpp"
 
 namespace povslam {
 
 struct TrackedFrame {
   PoseEstimate pose;
   MapSize map;
+  VemCounts vem;
   TimeNs received = 0;     // monotonic: the driver had the frame whole
   TimeNs handed_over = 0;  // monotonic: the pose left the tracking thread
 };
@@ -51,6 +53,9 @@ struct Health {
   MapSize map;
   std::int64_t backend_runs = 0;
   double backend_last_ms = 0.0;
+  std::int64_t vem_runs = 0;
+  double vem_last_ms = 0.0;
+  VemCounts vem;
   StoreHealth store;
   UnderstandingHealth understanding;
   double memory_rss_mb = 0.0;

@@ -37,6 +37,7 @@ void TrackingThread::localise(const SensorFrame& frame) {
   }
   out_.pose = pipeline_.localise(frame.rgbd);
   out_.map = pipeline_.map_size();
+  out_.vem = pipeline_.vem();
   out_.received = frame.received;
   const bool has_pose = out_.pose.state == TrackState::ok || out_.pose.state == TrackState::degraded;
   (has_pose ? counters_.tracked : counters_.lost).fetch_add(1, std::memory_order_relaxed);

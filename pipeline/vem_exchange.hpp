@@ -12,16 +12,11 @@
 #include "pipeline/frontend/local_map.hpp"
 #include "pipeline/frontend/map.hpp"
 #include "pipeline/objects/view.hpp"
+#include "pipeline/vem_counts.hpp"
 #include "pipeline/vem_problem.hpp"
 #include "pipeline/window_options.hpp"
 
 namespace povslam {
-
-struct VemCounts {
-  std::int64_t runs = 0, iterations = 0, matches = 0, landmarks = 0;  // sums over runs
-  std::int64_t faults = 0;                                            // windows refused: our mistake
-  std::int64_t doubted = 0, believed_again = 0, corrections = 0;
-};
 
 class VemExchange {
  public:

@@ -114,6 +114,10 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   health.state = TrackState::ok;
   health.store = {StoreState::failing, 5, 61.0, 12.0};
   health.understanding = {.views = 20, .views_dropped = 2, .labels_dropped = 1, .news = {}, .view_ms = {25.0, 40.0}};
+  health.vem_runs = 77;
+  health.vem.doubted = 3;
+  health.vem.believed_again = 2;
+  health.vem.corrections = 1;
   health.understanding.news.objects = 9;
   health.understanding.news.labels.late = 4;
   health.understanding.news.labels.wrong_size = 3;
@@ -135,6 +139,10 @@ TEST_F(PublisherTest, SendsHealthWithEachReasonByName) {
   EXPECT_EQ(messages[0].state, pose_t::DEGRADED);
   EXPECT_EQ(messages[0].map_store, health_t::FAILING);
   EXPECT_EQ(messages[0].map_commits, 5);
+  EXPECT_EQ(messages[0].vem_runs, 77);
+  EXPECT_EQ(messages[0].objects_doubted, 3);
+  EXPECT_EQ(messages[0].objects_believed_again, 2);
+  EXPECT_EQ(messages[0].pose_corrections, 1);
   EXPECT_EQ(messages[0].views, 20);
   EXPECT_EQ(messages[0].views_dropped, 2);
   EXPECT_EQ(messages[0].labels_dropped, 1);

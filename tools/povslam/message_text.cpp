@@ -41,6 +41,15 @@ std::string source_part(const label_source_t& s) {
   return s.silent != 0 ? text + ", IT IS SILENT" : text;
 }
 
+std::string vem_part(const health_t& m) {
+  if (m.vem_runs == 0) return "";
+  std::string text = format(", VEM %lld %.1f ms", ll(m.vem_runs), m.vem_last_ms);
+  const std::int64_t doubted = m.objects_doubted - m.objects_believed_again;
+  if (doubted > 0) text += format(", %lld objects doubted", ll(doubted));
+  if (m.pose_corrections > 0) text += format(", pose corrected %lld times", ll(m.pose_corrections));
+  return text;
+}
+
 std::string understanding_part(const health_t& m) {
   if (m.views == 0 && m.views_dropped == 0) return "";
   std::string text =
@@ -147,6 +156,7 @@ std::string health_line(const health_t& m) {
   for (const drop_t& drop : m.drops) {
     if (drop.count > 0) text += format(", dropped %lld %s", static_cast<long long>(drop.count), drop.reason.c_str());
   }
+  text += vem_part(m);
   text += understanding_part(m);
   if (m.map_store != health_t::NO_STORE) {
     text += format(", map stored %lld times", static_cast<long long>(m.map_commits));

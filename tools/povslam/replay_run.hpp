@@ -12,7 +12,7 @@
 #include "drivers/replay/trajectory_file.hpp"
 #include "pipeline/output.hpp"
 #include "pipeline/understanding.hpp"
-#include "pipeline/vem_exchange.hpp"
+#include "pipeline/vem_counts.hpp"
 
 namespace povslam {
 

@@ -82,6 +82,26 @@ TEST_F(Listen, StopsAfterTheCountAndShowsOnlyItsChannel) {
   EXPECT_THAT(shown, AllOf(HasSubstr("health: r2"), Not(HasSubstr(" r2 OK"))));
 }
 
+TEST_F(Listen, SaysWhatVariationalEmCameTo) {
+  health_t health{};
+  health.vem_runs = 900;
+  health.vem_last_ms = 2.5;
+  record({}, {health});
+  EXPECT_THAT(listen({"--channel", kHealthChannel}),
+              AllOf(HasSubstr("VEM 900 2.5 ms"), Not(HasSubstr("doubted")), Not(HasSubstr("corrected"))));
+}
+
+TEST_F(Listen, SaysWhatTrackingDoubtsAndThatItWasCorrected) {
+  health_t health{};
+  health.vem_runs = 900;
+  health.objects_doubted = 5;
+  health.objects_believed_again = 3;
+  health.pose_corrections = 1;
+  record({}, {health});
+  EXPECT_THAT(listen({"--channel", kHealthChannel}),
+              AllOf(HasSubstr("2 objects doubted"), HasSubstr("pose corrected 1 times")));
+}
+
 TEST_F(Listen, SaysWhatIsWrongWithALabelSource) {
   health_t health{};
   health.views = 9;
