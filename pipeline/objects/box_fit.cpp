@@ -40,13 +40,14 @@ class Turned {
     const Range rx = trimmed_range(scratch_, trim);
     scratch_ = y_;
     const Range ry = trimmed_range(scratch_, trim);
-    constexpr double kNearest_m = 0.02;
+    constexpr double kNoise_m = 0.02;
     double sum = 0.0;
     for (std::size_t i = 0; i < x_.size(); ++i) {
       const double x = static_cast<double>(x_[i]), y = static_cast<double>(y_[i]);
       const double dx = std::min(std::abs(x - rx.low), std::abs(rx.high - x));
       const double dy = std::min(std::abs(y - ry.low), std::abs(ry.high - y));
-      sum += 1.0 / std::max(kNearest_m, std::min(dx, dy));
+      const double nearest = std::min(dx, dy);
+      sum += 1.0 / std::sqrt(kNoise_m * kNoise_m + nearest * nearest);
     }
     return sum;
   }

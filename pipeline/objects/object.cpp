@@ -9,19 +9,41 @@ namespace {
 
 constexpr double kBoxTrim = 0.01;
 
-// How much of the surface faces along +x, -x, +y, -y of the box.
-std::array<int, 4> seen_sides(std::span<const SurfacePoint> surface, double yaw) {
-  std::array<int, 4> seen{};
-  const Eigen::Vector2f x(static_cast<float>(std::cos(yaw)), static_cast<float>(std::sin(yaw)));
-  const Eigen::Vector2f y(-x.y(), x.x());
+// How much of the surface faces along +x, -x, +y, -y, +z, -z of the box.
+std::array<int, 6> seen_sides(std::span<const SurfacePoint> surface, double yaw) {
+  std::array<int, 6> seen{};
+  const Eigen::AngleAxisf turn(static_cast<float>(-yaw), Eigen::Vector3f::UnitZ());
   for (const SurfacePoint& point : surface) {
-    const float along_x = point.normal.head<2>().dot(x), along_y = point.normal.head<2>().dot(y);
-    if (along_x > 0.8F) ++seen[0];
-    if (along_x < -0.8F) ++seen[1];
-    if (along_y > 0.8F) ++seen[2];
-    if (along_y < -0.8F) ++seen[3];
+    const Eigen::Vector3f normal = turn * point.normal;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (normal[axis] > 0.8F) ++seen[2 * axis];
+      if (normal[axis] < -0.8F) ++seen[2 * axis + 1];
+    }
   }
   return seen;
+}
+
+// Too little of a side to say where it lies.
+bool hardly_seen(int side, int opposite) {
+  return side <= std::max(5, (side + opposite) / 10);
+}
+
+// Moves the box's end on one side outwards, or inwards.
+void move_end(Box& box, int axis, bool plus, double by_m) {
+  Eigen::Vector3d outwards = Eigen::Vector3d::Zero();
+  outwards[axis] = plus ? 0.5 * by_m : -0.5 * by_m;
+  box.size_m[axis] += by_m;
+  box.center += Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()) * outwards;
+}
+
+// Points of a surface are one to a voxel, in its middle: where a side ends that no other side meets, the last of them
+// lies half a voxel before the end in the mean.
+void reach_ends(Box& box, const std::array<int, 6>& seen, double voxel_m) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int plus = seen[2 * axis], minus = seen[2 * axis + 1];
+    if (hardly_seen(plus, minus)) move_end(box, axis, true, 0.5 * voxel_m);
+    if (hardly_seen(minus, plus)) move_end(box, axis, false, 0.5 * voxel_m);
+  }
 }
 
 double assumed_depth_m(double width_m, double height_m, double share) {
@@ -30,15 +52,10 @@ double assumed_depth_m(double width_m, double height_m, double share) {
 }
 
 // Grows the box along one axis away from its one seen side.
-void assume_depth(Box& box, int axis, int seen_plus, int seen_minus, double depth_m) {
-  const int few = std::max(5, (seen_plus + seen_minus) / 10);
-  const bool plus = seen_plus > few, minus = seen_minus > few;
-  if (plus == minus || box.size_m[axis] >= depth_m) return;
-  const double grow = depth_m - box.size_m[axis];
-  Eigen::Vector3d away = Eigen::Vector3d::Zero();
-  away[axis] = (plus ? -0.5 : 0.5) * grow;
-  box.size_m[axis] = depth_m;
-  box.center += Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()) * away;
+void assume_depth(Box& box, int axis, const std::array<int, 6>& seen, double depth_m) {
+  const int plus = seen[2 * axis], minus = seen[2 * axis + 1];
+  if (hardly_seen(plus, minus) == hardly_seen(minus, plus) || box.size_m[axis] >= depth_m) return;
+  move_end(box, axis, hardly_seen(plus, minus), depth_m - box.size_m[axis]);
 }
 
 }  // namespace
@@ -67,7 +84,7 @@ Box MapObject::moved(const Box& box, const Rigid3& T) {
   return {T * box.center, box.size_m, fold_half_turn(box.yaw + yaw_of(T))};
 }
 
-std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double assumed_depth) {
+std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double assumed_depth) {
   std::vector<Eigen::Vector3f> all, sides;
   for (const SurfacePoint& point : surface) {
     all.push_back(point.p_volume);
@@ -76,17 +93,19 @@ std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double 
   if (all.size() < 3) return std::nullopt;
   const double yaw = fit_box(3 * sides.size() >= all.size() ? sides : all, kBoxTrim).yaw;
   Box box = fit_box_at(all, yaw, kBoxTrim);
-  const std::array<int, 4> seen = seen_sides(surface, yaw);
+  const std::array<int, 6> seen = seen_sides(surface, yaw);
+  reach_ends(box, seen, voxel_m);
   const Eigen::Vector3d size = box.size_m;
-  assume_depth(box, 0, seen[0], seen[1], assumed_depth_m(size.y(), size.z(), assumed_depth));
-  assume_depth(box, 1, seen[2], seen[3], assumed_depth_m(size.x(), size.z(), assumed_depth));
+  assume_depth(box, 0, seen, assumed_depth_m(size.y(), size.z(), assumed_depth));
+  assume_depth(box, 1, seen, assumed_depth_m(size.x(), size.z(), assumed_depth));
   return box;
 }
 
 void refresh_shape(MapObject& object, double min_weight, double assumed_depth) {
   object.surface = surface_points(object.volume, min_weight);
   object.missed.assign(object.surface.size(), 0);
-  if (const auto box = box_of_surface(object.surface, assumed_depth)) object.box = *box;
+  const double voxel_m = object.volume.options().voxel_size_m;
+  if (const auto box = box_of_surface(object.surface, voxel_m, assumed_depth)) object.box = *box;
 }
 
 }  // namespace povslam

@@ -53,7 +53,7 @@ inline constexpr double kAssumedDepth = 1.0;   // see refresh_shape
 // Surface and box anew, after the volume changed. Of what was seen from one side only the depth is assumed: as much as
 // `assumed_depth` of its smaller visible extent.
 void refresh_shape(MapObject& object, double min_weight, double assumed_depth);
-// The box of such a surface, in its frame; nothing of fewer than 3 points.
-std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double assumed_depth);
+// The box of such a surface, in its frame, one point to a voxel of voxel_m; nothing of fewer than 3 points.
+std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double assumed_depth);
 
 }  // namespace povslam

@@ -72,7 +72,8 @@ std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<
     if (looks[i] == PointLook::agrees) standing.push_back(object.surface[i]);
   }
   if (std::min(seen_through.size(), standing.size()) < kFewest) return std::nullopt;
-  const auto box = box_of_surface(seen_through, assumed_depth);
+  const double voxel_m = object.volume.options().voxel_size_m;
+  const auto box = box_of_surface(seen_through, voxel_m, assumed_depth);
   if (!box || !large(*box, min_m)) return std::nullopt;
   const auto among = std::ranges::count_if(
       standing, [&](const SurfacePoint& point) { return box->contains(point.p_volume.cast<double>()); });
@@ -84,8 +85,8 @@ std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<
     const bool gone = nearest_m2(point.p_volume, seen_through) < nearest_m2(point.p_volume, standing);
     (gone ? part.surface : part.rest).push_back(point);
   }
-  const auto part_box = box_of_surface(part.surface, assumed_depth);
-  const auto rest_box = box_of_surface(part.rest, assumed_depth);
+  const auto part_box = box_of_surface(part.surface, voxel_m, assumed_depth);
+  const auto rest_box = box_of_surface(part.rest, voxel_m, assumed_depth);
   if (!part_box || !rest_box || !large(*rest_box, min_m)) return std::nullopt;
   part.box = *part_box;
   part.rest_box = *rest_box;
