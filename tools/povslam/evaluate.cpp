@@ -75,15 +75,18 @@ Result<TrajectoryReport> evaluate_trajectory(const EvaluateArguments& arguments)
 
 Status evaluate_objects(const EvaluateArguments& arguments, const SceneTruth& truth, const Sightings& sightings,
                         const Rigid3& T_truth_estimate, Json& scores) {
+  std::vector<ReportedObject> now;
+  if (!arguments.objects.empty()) {
+    auto objects = read_reported_objects(arguments.objects);
+    if (!objects) return objects.error();
+    now = std::move(*objects);
+    scores["objects"] = report_objects(truth, &sightings, now, T_truth_estimate, arguments.scene);
+  }
   if (!arguments.events.empty()) {
     const auto events = read_events(arguments.events);
     if (!events) return events.error();
     scores["events"] = report_events(truth, &sightings, *events, T_truth_estimate, arguments.scene);
-  }
-  if (!arguments.objects.empty()) {
-    const auto objects = read_reported_objects(arguments.objects);
-    if (!objects) return objects.error();
-    scores["objects"] = report_objects(truth, &sightings, *objects, T_truth_estimate, arguments.scene);
+    scores["events"]["moved"] = report_moved(truth, *events, now, T_truth_estimate, arguments.scene);
   }
   return Done{};
 }

@@ -53,6 +53,7 @@ ReportedEvent reported_event(const Json& json) {
   event.class_name = json.at("class").get<std::string>();
   event.box = box_of(json, size_of(json));
   if (event.type == EventType::moved) event.from = box_of(json.at("from"), event.box.size_m);
+  event.object = json.value("object", -1);
   return event;
 }
 
@@ -99,7 +100,8 @@ Result<std::vector<ReportedObject>> read_reported_objects(const std::filesystem:
     const Json json = Json::parse(*text);
     std::vector<ReportedObject> objects;
     for (const Json& object : json.is_array() ? json : json.at("objects")) {
-      objects.push_back({object.at("class").get<std::string>(), box_of(object, size_of(object))});
+      objects.push_back(
+          {object.at("class").get<std::string>(), box_of(object, size_of(object)), object.value("id", -1)});
     }
     return objects;
   });

@@ -31,6 +31,7 @@ Result<SceneTruth> read_scene_truth(const std::filesystem::path& objects_truth_j
 struct ReportedObject {
   std::string class_name;
   OrientedBox box;
+  int id = -1;  // of the run; -1: not told
 };
 // objects.json: an array of objects, or an object with the key "objects".
 Result<std::vector<ReportedObject>> read_reported_objects(const std::filesystem::path& objects_json);
@@ -42,6 +43,7 @@ struct ReportedEvent {
   std::string class_name;
   OrientedBox box;                  // removed: where it stood
   std::optional<OrientedBox> from;  // moved only
+  int object = -1;                  // id in the run; -1: not told
 };
 Result<std::vector<ReportedEvent>> read_events(const std::filesystem::path& events_jsonl);
 

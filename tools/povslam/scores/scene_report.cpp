@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tools/povslam/scores/event_score.hpp"
+#include "tools/povslam/scores/moved_score.hpp"
 #include "tools/povslam/scores/object_score.hpp"
 
 namespace povslam::scores {
@@ -57,6 +58,17 @@ Json counts_json(const Verdict& verdict) {
           {"reported", verdict.reported},
           {"matched", verdict.matched.size()},
           {"excused", verdict.excused}};
+}
+
+// Nothing if there are no values.
+Json distances_json(std::vector<double> distances_m, double close_m) {
+  if (distances_m.empty()) return nullptr;
+  std::sort(distances_m.begin(), distances_m.end());
+  const std::size_t half = distances_m.size() / 2;
+  const double median_m =
+      distances_m.size() % 2 == 1 ? distances_m[half] : 0.5 * (distances_m[half - 1] + distances_m[half]);
+  const auto close = std::upper_bound(distances_m.begin(), distances_m.end(), close_m) - distances_m.begin();
+  return {{"count", distances_m.size()}, {"close", close}, {"median_m", median_m}, {"max_m", distances_m.back()}};
 }
 
 double ratio(const Json& section, const char* part, const char* whole) {
@@ -124,6 +136,38 @@ Json report_events(const SceneTruth& truth, const Sightings* sightings, const st
   if (!verdict.matched.empty()) json["mean_distance_m"] = sum_m / static_cast<double>(verdict.matched.size());
   json["events"] = events.size();
   return json;
+}
+
+Json report_moved(const SceneTruth& truth, const std::vector<ReportedEvent>& events,
+                  const std::vector<ReportedObject>& objects, const Rigid3& T_truth_estimate,
+                  const SceneReportOptions& options) {
+  std::vector<ReportedEvent> said = events;
+  for (ReportedEvent& event : said) {
+    event.box = moved(T_truth_estimate, event.box);
+    if (event.from) event.from = moved(T_truth_estimate, *event.from);
+  }
+  std::vector<ReportedObject> now = objects;
+  for (ReportedObject& object : now) object.box = moved(T_truth_estimate, object.box);
+  Json boxes = Json::array();
+  std::vector<double> told_m, end_m;
+  for (const MovedBox& box : score_moved(truth, said, now, options.max_distance_m)) {
+    told_m.push_back(box.distance_m);
+    if (box.end_distance_m) end_m.push_back(*box.end_distance_m);
+    boxes.push_back({{"object", box.object},
+                     {"truth", box.truth},
+                     {"distance_m", box.distance_m},
+                     {"yaw_deg", box.yaw_rad * kDegPerRad},
+                     {"edge_error_m", box.edge_error_m},
+                     {"same_thing", box.same_thing},
+                     {"end_distance_m", box.end_distance_m ? Json(*box.end_distance_m) : Json(nullptr)},
+                     {"end_edge_error_m", box.end_edge_error_m ? Json(*box.end_edge_error_m) : Json(nullptr)}});
+  }
+  const auto moves =
+      std::count_if(said.begin(), said.end(), [](const auto& event) { return event.type == EventType::moved; });
+  return {{"reported", moves},
+          {"told", distances_json(std::move(told_m), options.close_m)},
+          {"end", distances_json(std::move(end_m), options.close_m)},
+          {"boxes", boxes}};
 }
 
 Json report_objects(const SceneTruth& truth, const Sightings* sightings, const std::vector<ReportedObject>& objects,

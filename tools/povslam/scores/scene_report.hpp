@@ -15,6 +15,7 @@ enum class Arrangement : std::uint8_t { before, after };  // of the objects: bef
 
 struct SceneReportOptions {
   double max_distance_m = 0.5;  // events
+  double close_m = 0.1;         // a moved box found again
   std::size_t min_frames = 10;  // a place or object seen in fewer frames is not asked for
   double touch_gap_m = 0.02;    // boxes no further apart count as one
   double min_iou = 0.5;         // objects
@@ -28,6 +29,11 @@ struct SceneReportOptions {
 nlohmann::ordered_json report_events(const SceneTruth& truth, const Sightings* sightings,
                                      const std::vector<ReportedEvent>& events, const Rigid3& T_truth_estimate,
                                      const SceneReportOptions& options);
+// Of the moves reported: how many stand where they were said to, within close_m, when told and, by `objects` of the
+// same ids, at the end.
+nlohmann::ordered_json report_moved(const SceneTruth& truth, const std::vector<ReportedEvent>& events,
+                                    const std::vector<ReportedObject>& objects, const Rigid3& T_truth_estimate,
+                                    const SceneReportOptions& options);
 nlohmann::ordered_json report_objects(const SceneTruth& truth, const Sightings* sightings,
                                       const std::vector<ReportedObject>& objects, const Rigid3& T_truth_estimate,
                                       const SceneReportOptions& options);
