@@ -34,7 +34,7 @@ struct AssociateOptions {
 struct LifeOptions {
   int confirm_views = 3;             // accepted ones that make an object
   double forget_tentative_s = 10.0;  // not seen again for so long, it was none
-  double new_within_m = 6.0;         // things further away make no new object
+  double new_within_m = 6.0;         // things further away make no new object; as far as they are extracted
   double visible_share = 0.20;       // theta_vis: of its surface seen through…
   int visible_points = 30;           // …and at least so many points, before absence is believed
   double margin_m = 0.10;            // clearly behind, clearly before

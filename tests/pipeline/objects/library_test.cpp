@@ -65,6 +65,22 @@ TEST_F(LibraryStory, AThingSeenFromSeveralSidesIsOneObjectWithItsBox) {
   EXPECT_TRUE(events.empty()) << "it was there when the robot came";
 }
 
+TEST_F(LibraryStory, AThingFiveMetresAwayIsAnObject) {
+  world.things = {{{{5.0, 0.0, 0.5}, {0.4, 0.6, 1.0}, 0.0}}};
+  for (int i = 0; i < 4; ++i) look(SmallWorld::looking({-0.1, 0.05 * i}, {5.0, 0.0}));
+  EXPECT_EQ(confirmed().size(), 1U);
+}
+
+TEST_F(LibraryStory, ASliverIsAnObjectOnlyWhenLookedAtWell) {
+  world.noise = 0.2;
+  world.things = {{{{5.0, 0.0, 0.6}, {0.15, 0.18, 1.2}, 0.0}}};
+  for (int i = 0; i < 4; ++i) look(SmallWorld::looking({0.0, 0.05 * i}, {5.0, 0.0}));
+  ASSERT_FALSE(library.objects().empty()) << "it was seen";
+  EXPECT_TRUE(confirmed().empty());
+  for (int i = 0; i < 4; ++i) look(SmallWorld::looking({2.8, 0.05 * i}, {5.0, 0.0}));
+  EXPECT_EQ(confirmed().size(), 1U);
+}
+
 TEST_F(LibraryStory, AThingIsNoObjectBeforeItWasSeenOften) {
   world.things = {{carton(2.5, 0.0)}};
   drive(2);
