@@ -34,7 +34,7 @@ TEST(Lidar, EachPointLiesWhereItsBeamMeetsTheWorldAtItsOwnTime) {
 
 TEST(FinalSurface, LiesOnTheObjectsWhereTheyEndUp) {
   const World world = make_world(small_options("boxsim", 2));
-  const std::vector<Eigen::Vector3f> surface = final_surface(world.scene(), 0.05);
+  const std::vector<SurfacePoint> surface = final_surface(world.scene(), 0.05);
   double area_m2 = 0.0;
   for (const Object& object : world.scene().objects) {
     const Eigen::Vector3d& s = object.size_m;
@@ -46,7 +46,7 @@ TEST(FinalSurface, LiesOnTheObjectsWhereTheyEndUp) {
     for (const Object& object : world.scene().objects) {
       const Eigen::Matrix3d R_object_world =
           Eigen::AngleAxisd(-object.after.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-      const Eigen::Vector3d p_object = R_object_world * (surface[i].cast<double>() - object.after.position);
+      const Eigen::Vector3d p_object = R_object_world * (surface[i].at.cast<double>() - object.after.position);
       nearest = std::min(nearest, std::abs((p_object.cwiseAbs() - 0.5 * object.size_m).maxCoeff()));
     }
     EXPECT_LT(nearest, 1e-5);
