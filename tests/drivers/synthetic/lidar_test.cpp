@@ -34,14 +34,15 @@ TEST(Lidar, EachPointLiesWhereItsBeamMeetsTheWorldAtItsOwnTime) {
 
 TEST(FinalSurface, LiesOnTheObjectsWhereTheyEndUp) {
   const World world = make_world(small_options("boxsim", 2));
-  const std::vector<SurfacePoint> surface = final_surface(world.scene(), 0.05);
+  const std::vector<SurfacePoint> surface = final_surface(world.scene(), 0.01);
   double area_m2 = 0.0;
   for (const Object& object : world.scene().objects) {
     const Eigen::Vector3d& s = object.size_m;
     area_m2 += s.x() * s.y() + 2.0 * s.z() * (s.x() + s.y());  // without the underside
   }
-  EXPECT_NEAR(static_cast<double>(surface.size()) * 0.05 * 0.05, area_m2, 0.1 * area_m2);
+  EXPECT_NEAR(static_cast<double>(surface.size()) * 0.01 * 0.01, area_m2, 0.1 * area_m2);
   for (std::size_t i = 0; i < surface.size(); i += 17) {
+    EXPECT_NEAR(surface[i].normal.norm(), 1.0F, 1e-5F);
     double nearest = 1.0;
     for (const Object& object : world.scene().objects) {
       const Eigen::Matrix3d R_object_world =
