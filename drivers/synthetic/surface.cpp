@@ -24,22 +24,26 @@ bool inside_another_part(const Object& object, std::size_t own, const Eigen::Vec
 void sample_face(const FaceShape& face, double spacing_m, std::vector<Eigen::Vector3d>& points) {
   const int columns = std::max(1, static_cast<int>(std::ceil(face.across.norm() / spacing_m)));
   const int rows = std::max(1, static_cast<int>(std::ceil(face.down.norm() / spacing_m)));
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      points.push_back(face.corner + face.across * ((column + 0.5) / columns) + face.down * ((row + 0.5) / rows));
+  for (int row = 0; row <= rows; ++row) {
+    for (int column = 0; column <= columns; ++column) {
+      points.push_back(face.corner + face.across * (static_cast<double>(column) / columns) +
+                       face.down * (static_cast<double>(row) / rows));
     }
   }
 }
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> final_surface(const Scene& scene, double spacing_m) {
-  std::vector<Eigen::Vector3f> surface;
+std::vector<SurfacePoint> final_surface(const Scene& scene, double spacing_m) {
+  std::vector<SurfacePoint> surface;
   std::vector<Eigen::Vector3d> points;
   for (const Object& object : scene.objects) {
     if (object.walk || !object.after.present) continue;
     const SinCos yaw = sin_cos(object.after.yaw);
     const Eigen::Vector3d& at = object.after.position;
+    const auto turned = [&yaw](const Eigen::Vector3d& v) {
+      return Eigen::Vector3d(yaw.cos * v.x() - yaw.sin * v.y(), yaw.sin * v.x() + yaw.cos * v.y(), v.z());
+    };
     for (std::size_t i = 0; i < object.parts.size(); ++i) {
       for (const FaceShape& face : faces_of(object.parts[i])) {
         if (face.normal.z() < 0.0 && face.corner.z() + at.z() < kOnFloor_m) continue;
@@ -47,9 +51,7 @@ std::vector<Eigen::Vector3f> final_surface(const Scene& scene, double spacing_m)
         sample_face(face, spacing_m, points);
         for (const Eigen::Vector3d& p : points) {
           if (inside_another_part(object, i, p)) continue;
-          surface.emplace_back(static_cast<float>(at.x() + yaw.cos * p.x() - yaw.sin * p.y()),
-                               static_cast<float>(at.y() + yaw.sin * p.x() + yaw.cos * p.y()),
-                               static_cast<float>(at.z() + p.z()));
+          surface.push_back({(at + turned(p)).cast<float>(), turned(face.normal).cast<float>()});
         }
       }
     }

@@ -44,10 +44,10 @@ class Allocator {
   }();
 };
 
-// The owner's pixels of one row of the image, as rays in blocks from the camera on, for loops that become vectors.
+// The owner's pixels of one row of the image.
 class RayRow {
  public:
-  static constexpr int kBits = 10, kHalf = 1 << (kBits - 1);
+  static constexpr int kHalf = 1 << (kKeyBits - 1);
 
   RayRow(const DepthView& view, std::uint16_t owner, int stride_px)
       : view_(view), owner_(owner), stride_px_(stride_px), size_((view.camera.width + stride_px - 1) / stride_px) {
@@ -67,21 +67,8 @@ class RayRow {
     count_ = count;
   }
 
-  // The blocks at `ahead_m` beyond the surfaces: kBits each of x, y, z, from kHalf before the camera's block on. Rays
-  // are first + column * along; start: where the camera is within its block, plus kHalf.
-  std::span<const std::uint32_t> find_keys(float ahead_m, const Eigen::Vector3f& start, const Eigen::Vector3f& first,
-                                           const Eigen::Vector3f& along) {
-    const float sx = start.x(), sy = start.y(), sz = start.z(), fx = first.x(), fy = first.y(), fz = first.z(),
-                ax = along.x(), ay = along.y(), az = along.z();
-    const float *d = depth_m_.data(), *c = column_.data();
-    std::uint32_t* out = keys_.data();
-    const std::size_t count = count_;
-    for (std::size_t k = 0; k < count; ++k) {
-      const float far = d[k] + ahead_m, at = far > 0.0F ? far : 0.0F;
-      const int bx = static_cast<int>(sx + (fx + ax * c[k]) * at), by = static_cast<int>(sy + (fy + ay * c[k]) * at),
-                bz = static_cast<int>(sz + (fz + az * c[k]) * at);
-      out[k] = static_cast<std::uint32_t>(bx | by << kBits | bz << 2 * kBits);
-    }
+  std::span<const std::uint32_t> find_keys(const RayBlocks& rays, const MappingKernels& kernels) {
+    kernels.find_keys(&rays, depth_m_.data(), column_.data(), static_cast<int>(count_), keys_.data());
     return {keys_.data(), count_};
   }
 
@@ -95,7 +82,7 @@ class RayRow {
 };
 
 void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_volume_camera,
-                             int stride_px, IntegrateReport& report) {
+                             int stride_px, const MappingKernels& kernels, IntegrateReport& report) {
   Allocator allocator(volume, report);
   const double per_block = 1.0 / (kBlockEdge * volume.options().voxel_size_m);
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
@@ -107,23 +94,28 @@ void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_
   const Eigen::Vector3f start = (camera - base).cast<float>();
   const BlockKey origin{static_cast<std::int32_t>(base.x()), static_cast<std::int32_t>(base.y()),
                         static_cast<std::int32_t>(base.z())};
-  constexpr std::uint32_t kMask = (1U << RayRow::kBits) - 1;
+  constexpr std::uint32_t kMask = (1U << kKeyBits) - 1;
   const PinholeCamera& c = view.camera;
   const Eigen::Vector3f along = rotation.col(0) / static_cast<float>(c.fx);
+  const auto store = [](const Eigen::Vector3f& v, float* out) { std::copy_n(v.data(), 3, out); };
+  RayBlocks blocks{};
+  store(start, blocks.start);
+  store(along, blocks.along);
   RayRow rays(view, owner, stride_px);
   for (int row = 0; row < c.height; row += stride_px) {
     rays.read(row);
     const Eigen::Vector3f first = rotation.col(2) + rotation.col(1) * static_cast<float>((row - c.cy) / c.fy) -
                                   rotation.col(0) * static_cast<float>(c.cx / c.fx);
+    store(first, blocks.first);
     for (int k = 0; k <= steps; ++k) {
-      const float ahead_m = truncation_m * (2.0F * static_cast<float>(k) / static_cast<float>(steps) - 1.0F);
+      blocks.ahead_m = truncation_m * (2.0F * static_cast<float>(k) / static_cast<float>(steps) - 1.0F);
       std::uint32_t last = ~0U;
-      for (const std::uint32_t key : rays.find_keys(ahead_m, start, first, along)) {
+      for (const std::uint32_t key : rays.find_keys(blocks, kernels)) {
         if (key == last) continue;
         last = key;
         allocator.ask({origin.x + static_cast<std::int32_t>(key & kMask),
-                       origin.y + static_cast<std::int32_t>(key >> RayRow::kBits & kMask),
-                       origin.z + static_cast<std::int32_t>(key >> 2 * RayRow::kBits & kMask)});
+                       origin.y + static_cast<std::int32_t>(key >> kKeyBits & kMask),
+                       origin.z + static_cast<std::int32_t>(key >> 2 * kKeyBits & kMask)});
       }
     }
   }
@@ -139,7 +131,8 @@ struct Look {
   void make(const DepthView& view, std::uint16_t owner, const PixelBox& box, float farthest_m,
             const MappingKernels& kernels) {
     const std::size_t wanted = static_cast<std::size_t>(box.columns()) * static_cast<std::size_t>(box.rows());
-    if (pixels.size() < wanted) pixels.resize(wanted);
+    if (pixels.size() <= wanted) pixels.resize(wanted + 1);
+    pixels[wanted] = 0;
     const std::size_t row = static_cast<std::size_t>(kLookScratch * (box.columns() + 2 * kClearRadius));
     if (scratch.size() < row) scratch.resize(row);
     unit_m = farthest_m / kMostUnits;
@@ -182,27 +175,36 @@ IntegratePass make_pass(const Volume& volume, const DepthView& view, const Integ
 }
 
 // Starts to bring a block near while another one is worked on.
-void fetch(const VoxelBlock& block) {
+void fetch(const VoxelBlock& block, bool colored) {
   const auto lines = [](const auto& values) {
     const auto* bytes = reinterpret_cast<const char*>(values.data());
     for (std::size_t k = 0; k < sizeof(values); k += 64) __builtin_prefetch(bytes + k, 1);
   };
   lines(block.distance);
   lines(block.weight);
+  if (colored) lines(block.color);
 }
 
 BlockPlace place_of(const VoxelProjection& projection, const BlockKey& key, const IntegrateOptions& options) {
   const Eigen::Vector3f origin = projection.origin(key);
   const double z_m = static_cast<double>(projection.centre_depth_m(key));
-  const double sigma_m = std::hypot(options.depth_sigma_quadratic_per_m * z_m * z_m, options.depth_sigma_floor_m);
-  const double looks = std::min(1.0, kGoodSigma_m * kGoodSigma_m / (sigma_m * sigma_m));
+  const double quadratic_m = options.depth_sigma_quadratic_per_m * z_m * z_m, floor_m = options.depth_sigma_floor_m;
+  const double looks = std::min(1.0, kGoodSigma_m * kGoodSigma_m / (quadratic_m * quadratic_m + floor_m * floor_m));
   return {{origin.x(), origin.y(), origin.z()}, static_cast<float>(looks * kWeightUnits)};
 }
 
 bool has_inside(const VoxelBlock& block) {  // behind some surface
-  bool any = false;
-  for (std::size_t k = 0; k < kBlockVoxels; ++k) any |= (block.weight[k] != 0) & (block.distance[k] < 0);
-  return any;
+  // The sign bit of what is known, in words of the voxels' own width: the loop becomes vectors.
+  unsigned any = 0;
+  for (std::size_t first = 0; first < kBlockVoxels; first += kBlockEdge) {
+    std::uint16_t sign = 0;
+    for (std::size_t k = first; k < first + kBlockEdge; ++k) {
+      const auto known = static_cast<std::uint16_t>(block.weight[k] != 0 ? 0xFFFF : 0);
+      sign = static_cast<std::uint16_t>(sign | (known & static_cast<std::uint16_t>(block.distance[k])));
+    }
+    any |= sign;
+  }
+  return (any & 0x8000U) != 0;
 }
 
 // Of the blocks whose last surface has gone, and their neighbours: those that no surface needs are given back.
@@ -230,14 +232,15 @@ int remove_emptied(Volume& volume, const std::vector<BlockKey>& emptied) {
 IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_world_volume,
                           const IntegrateOptions& options) {
   EXPECTS(owner != kNobody && options.allocation_stride_px > 0);
+  const MappingKernels& kernels = mapping_kernels();
   IntegrateReport report;
   const Rigid3 T_camera_volume = view.T_world_camera.inverse() * T_world_volume;
-  allocate_about_surfaces(volume, view, owner, T_camera_volume.inverse(), options.allocation_stride_px, report);
+  allocate_about_surfaces(volume, view, owner, T_camera_volume.inverse(), options.allocation_stride_px, kernels,
+                          report);
   const VisibleBlocks visible = visible_blocks(volume, view, T_camera_volume);
   report.blocks_in_view = static_cast<int>(visible.indices.size());
   if (visible.indices.empty()) return report;
 
-  const MappingKernels& kernels = mapping_kernels();
   const VoxelProjection projection(volume, view.camera, visible.box, T_camera_volume);
   thread_local Look look;
   look.make(view, owner, visible.box, visible.farthest_m, kernels);
@@ -245,7 +248,7 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
   std::vector<BlockKey> emptied;
   for (std::size_t k = 0; k < visible.indices.size(); ++k) {
     const int index = visible.indices[k];
-    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]));
+    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]), pass.color != nullptr);
     VoxelBlock& block = volume.block(index);
     const BlockPlace place = place_of(projection, block.key, options);
     const unsigned outcome =

@@ -49,10 +49,11 @@ class FarthestDepth {
 PixelBox pixels_of(const PinholeCamera& camera, const Eigen::Vector3f& p_camera, const Eigen::Vector3f& half) {
   const float nearest = p_camera.z() - half.z();
   if (nearest < half.z()) return {0, 0, camera.width, camera.height};
-  const float x = p_camera.x() / p_camera.z(), y = p_camera.y() / p_camera.z();
+  const float per_depth = 1.0F / p_camera.z(), x = p_camera.x() * per_depth, y = p_camera.y() * per_depth;
   const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  const float half_x = fx * (half.x() + std::abs(x) * half.z()) / nearest + 1.0F;
-  const float half_y = fy * (half.y() + std::abs(y) * half.z()) / nearest + 1.0F;
+  const float per_nearest = 1.0F / nearest;
+  const float half_x = fx * (half.x() + std::abs(x) * half.z()) * per_nearest + 1.0F;
+  const float half_y = fy * (half.y() + std::abs(y) * half.z()) * per_nearest + 1.0F;
   const float u = fx * x + static_cast<float>(camera.cx), v = fy * y + static_cast<float>(camera.cy);
   const auto within = [](float value, int size) {
     return static_cast<int>(std::clamp(value, 0.0F, static_cast<float>(size)));

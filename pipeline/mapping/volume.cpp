@@ -8,23 +8,12 @@
 
 namespace povslam {
 
-std::size_t Volume::Hash::operator()(const BlockKey& key) const {
-  const auto part = [](std::int32_t value, std::uint64_t factor) {
-    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value)) * factor;
-  };
-  std::uint64_t mixed =
-      part(key.x, 0x9E3779B97F4A7C15ULL) ^ part(key.y, 0xC2B2AE3D27D4EB4FULL) ^ part(key.z, 0x165667B19E3779F9ULL);
-  mixed ^= mixed >> 32;
-  return static_cast<std::size_t>(mixed * 0x9E3779B97F4A7C15ULL >> 16);
-}
-
 Volume::Volume(const VolumeOptions& options) : options_(options) {
   EXPECTS(options.voxel_size_m >= 0.002 && options.truncation_m >= options.voxel_size_m && options.max_blocks >= 0);
 }
 
 int Volume::find(const BlockKey& key) const {
-  const auto found = index_.find(key);
-  return found == index_.end() ? -1 : found->second;
+  return index_.find(key);
 }
 
 int Volume::allocate(const BlockKey& key) {
@@ -34,7 +23,7 @@ int Volume::allocate(const BlockKey& key) {
   const int index = num_blocks();
   blocks_.push_back(std::make_unique<VoxelBlock>());
   keys_.push_back(key);
-  index_.emplace(key, index);
+  index_.set(key, index);
   block(index).key = key;
   mark_changed(index);
   return index;
@@ -48,11 +37,11 @@ void Volume::remove(const BlockKey& key) {
     const auto hole = static_cast<std::size_t>(index);
     blocks_[hole] = std::move(blocks_.back());
     keys_[hole] = keys_.back();
-    index_[keys_[hole]] = index;
+    index_.set(keys_[hole], index);
   }
   blocks_.pop_back();
   keys_.pop_back();
-  index_.erase(key);
+  index_.remove(key);
 }
 
 void Volume::clear() {

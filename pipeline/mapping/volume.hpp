@@ -8,8 +8,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <unordered_map>
 #include <vector>
+
+#include "pipeline/mapping/block_index.hpp"
 
 namespace povslam {
 
@@ -21,11 +22,6 @@ struct VolumeOptions {
 
 inline constexpr int kBlockEdge = 8;  // voxels
 inline constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge;
-
-struct BlockKey {  // of the block that holds voxels 8 * key … 8 * key + 7; voxel i covers [i, i + 1) voxel sizes
-  std::int32_t x = 0, y = 0, z = 0;
-  bool operator==(const BlockKey&) const = default;
-};
 
 struct VoxelBlock {  // voxel index: x + 8 * (y + 8 * z)
   BlockKey key;
@@ -63,14 +59,11 @@ class Volume {
 
  private:
   static Sample interpolate(const double (&value)[8], const Eigen::Vector3d& share);
-  struct Hash {
-    std::size_t operator()(const BlockKey& key) const;
-  };
   VolumeOptions options_;
   std::vector<std::unique_ptr<VoxelBlock>> blocks_;
   std::vector<BlockKey> keys_;  // of blocks_, side by side
   std::uint32_t changes_ = 0;
-  std::unordered_map<BlockKey, int, Hash> index_;
+  BlockIndex index_;
 };
 
 }  // namespace povslam

@@ -119,7 +119,7 @@ Status evaluate_scene(const EvaluateArguments& arguments, const std::optional<Sc
   const bool wants_objects = truth && !(arguments.events.empty() && arguments.objects.empty());
   if (wants_objects || !surface.vertices.empty()) {
     const SceneTruth scene = truth.value_or(SceneTruth{});
-    const Result<Sightings> sightings = count_sightings(arguments.truth, scene, surface.vertices);
+    const Result<Sightings> sightings = count_sightings(arguments.truth, scene, surface);
     if (!sightings) return sightings.error();
     if (wants_objects) {
       if (const Status done = evaluate_objects(arguments, scene, *sightings, T_truth_estimate, scores); !done)

@@ -177,11 +177,13 @@ Status SequenceWriter::write_text(const std::string& name, const std::string& te
   return file.flush() ? Status(Done{}) : Status(cannot_write(folder_ / name));
 }
 
-Status SequenceWriter::write_points(const std::string& name, std::span<const Eigen::Vector3f> points) {
-  static_assert(std::endian::native == std::endian::little);
+Status SequenceWriter::write_points(const std::string& name, std::span<const synthetic::SurfacePoint> points) {
+  static_assert(std::endian::native == std::endian::little && sizeof(synthetic::SurfacePoint) == 6 * sizeof(float));
   std::ofstream file(folder_ / name, std::ios::binary);
   file << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size()
-       << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+       << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty "
+          "float nz\n"
+       << "end_header\n";
   file.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(points.size_bytes()));
   return file.flush() ? Status(Done{}) : Status(cannot_write(folder_ / name));
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/synthetic/surface.hpp"
 #include "pipeline/base/result.hpp"
 #include "pipeline/frames/calibration.hpp"
 #include "pipeline/frames/label_frame.hpp"
@@ -29,7 +30,8 @@ class SequenceWriter {
   Status add(const LabelFrame& labels, std::uint64_t seq);
   Status add(const LidarFrame& scan);
   Status write_text(const std::string& name, const std::string& text);
-  Status write_points(const std::string& name, std::span<const Eigen::Vector3f> points);  // PLY, binary little endian
+  // PLY, binary little endian, with normals.
+  Status write_points(const std::string& name, std::span<const synthetic::SurfacePoint> points);
   Status finish();  // closes the lists; says whether all of them reached the disk
 
  private:

@@ -70,25 +70,68 @@ POVSLAM_INLINE Floats weight_units(const IntegratePass& pass, float look_units, 
   return greater(seen * fill(look_units), fill(1.0F));
 }
 
+// Voxels of one block, in passes: each pass leaves behind what the next one reads.
+struct Block {
+  alignas(64) float depth[kVoxels];
+  alignas(64) uint32_t pixel[kVoxels];      // its place in the look, then what stands there
+  alignas(64) uint32_t color_at[kVoxels];   // bytes from pass->color on
+  alignas(64) float share[kVoxels];         // of a new colour
+  unsigned colored[int{kVoxels} / kLanes];  // bits of the lanes that take one
+};
+
+// Outside of the part: the look's last pixel, which says nothing.
+POVSLAM_INLINE void project_all(const IntegratePass& pass, const float* origin, bool with_color, Block& block) {
+  const Ints none = fill_int(pass.rays.columns * pass.rays.rows), channels = fill_int(pass.channels);
+  const Ints color_stride = fill_int(static_cast<int>(pass.color_stride));
+  for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
+    const Rays rays = project(pass.rays, origin, voxel);
+    store(block.depth + voxel, select(rays.inside, rays.depth, fill(kNowhere)));
+    store(block.pixel + voxel, select(rays.inside, rays.pixel, none));
+    if (!with_color) continue;
+    const Ints at = add(multiply(rays.row, color_stride), multiply(rays.column, channels));
+    store(block.color_at + voxel, select(rays.inside, at, fill_int(0)));
+  }
+}
+
+// One after the other: gather instructions took longer (AVX-512, Zen 4). Two words a step.
+POVSLAM_INLINE void read_look(const LookPixel* look, uint32_t* pixel) {
+  for (int voxel = 0; voxel < kVoxels; voxel += 2) {
+    uint64_t at;
+    __builtin_memcpy(&at, pixel + voxel, sizeof at);
+    uint64_t value = look[static_cast<uint32_t>(at)] | static_cast<uint64_t>(look[at >> 32]) << 32;
+    __asm__("" : "+r"(value));  // or the compiler makes gathers of it
+    __builtin_memcpy(pixel + voxel, &value, sizeof value);
+  }
+}
+
+POVSLAM_INLINE void color_all(const IntegratePass& pass, Block& block, uint8_t* color) {
+  for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
+    if (block.colored[voxel / kLanes] != 0) read_pixels(pass, block.color_at + voxel);
+  }
+  for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
+    const unsigned wanted = block.colored[voxel / kLanes];
+    if (wanted == 0) continue;
+    blend_colors(load(block.color_at + voxel), lanes_of(wanted), load(block.share + voxel), color + 3 * voxel);
+  }
+}
+
 }  // namespace
 
-// All voxels are projected first, without any branch: the reads of many pixels are then under way at the same time.
 unsigned integrate_block(const IntegratePass* pass, const BlockPlace* place, int16_t* distance, uint16_t* weight,
                          uint8_t* color) {
-  alignas(64) float depth[kVoxels];
-  alignas(64) int32_t pixel[kVoxels];  // LookPixel; 0 outside of the part: nothing is known there
-  for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
-    const Rays rays = project(pass->rays, place->origin, voxel);
-    store(depth + voxel, select(rays.inside, rays.depth, fill(kNowhere)));
-    store(pixel + voxel, gather(pass->look, rays.pixel, rays.inside));
-  }
-  unsigned changed = 0, emptied = 0;
+  Block block;
+  const bool with_color = pass->color != nullptr;
+  project_all(*pass, place->origin, with_color, block);
+  read_look(pass->look, block.pixel);
+  unsigned changed = 0, emptied = 0, colored = 0;
   for (int voxel = 0; voxel < kVoxels; voxel += kLanes) {
     const Voxels v = load_voxels(distance + voxel, weight + voxel, place->weight_units);
-    const Look look = look_at_voxels(*pass, load(pixel + voxel), load(depth + voxel), v);
+    const Look look = look_at_voxels(*pass, load(block.pixel + voxel), load(block.depth + voxel), v);
+    block.colored[voxel / kLanes] = bits(look.surface);
     const Mask touched = either(look.surface, look.empty);
     if (bits(touched) == 0) continue;
     changed |= bits(touched);
+    colored |= bits(look.surface);
 
     Floats before = v.looks, added = weight_units(*pass, place->weight_units, look.observed);
     if (bits(look.contradicts) != 0) {
@@ -100,9 +143,9 @@ unsigned integrate_block(const IntegratePass* pass, const BlockPlace* place, int
     const Floats sum = before + added, share = added / greater(sum, fill(1.0F));
     store16(distance + voxel, select(touched, v.stored + (look.observed - v.stored) * share, v.stored));
     store16(weight + voxel, select(touched, lesser(sum, fill(pass->max_weight_units)), v.looks));
-    if (pass->color == nullptr || bits(look.surface) == 0) continue;
-    color_voxels(*pass, project(pass->rays, place->origin, voxel), look.surface, share, color + 3 * voxel);
+    store(block.share + voxel, share);
   }
+  if (with_color && colored != 0) color_all(*pass, block, color);
   return (changed != 0 ? unsigned{kBlockChanged} : 0U) | (emptied != 0 ? unsigned{kBlockEmptied} : 0U);
 }
 

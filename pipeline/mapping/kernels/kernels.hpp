@@ -45,7 +45,7 @@ struct BlockPlace {
 
 struct IntegratePass {  // the same for all blocks of a call
   BlockRays rays;
-  const LookPixel* look;      // of the part
+  const LookPixel* look;      // of the part, and one more that is 0
   float look_unit;            // distance units
   const uint8_t* color;       // of the part's first pixel; null: none
   const uint8_t* color_last;  // the last four bytes of the image
@@ -69,6 +69,14 @@ struct CompareSum {
   int64_t voxels, difference_units;
 };
 
+// Rays of a row of the image, in blocks from a corner before the camera on: first + column * along for each metre of
+// depth, from `start` on.
+struct RayBlocks {
+  float start[3], first[3], along[3];
+  float ahead_m;  // beyond the surfaces
+};
+enum { kKeyBits = 10 };
+
 struct MappingKernels {
   // columns x rows pixels. scratch: kLookScratch * (columns + 2 * kClearRadius) values.
   void (*make_look)(const LookSource* source, LookPixel* look, uint16_t* scratch);
@@ -77,6 +85,8 @@ struct MappingKernels {
                               uint8_t* color);
   CompareSum (*compare_block)(const ComparePass* pass, const float* origin, const int16_t* distance,
                               const uint16_t* weight);
+  // kKeyBits each of x, y, z: the blocks of `count` rays.
+  void (*find_keys)(const RayBlocks* rays, const float* depth_m, const float* column, int count, uint32_t* keys);
 };
 
 }  // namespace povslam

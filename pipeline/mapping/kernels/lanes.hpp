@@ -12,6 +12,8 @@
 
 #define POVSLAM_INLINE static inline __attribute__((always_inline, unused))
 
+#include "pipeline/mapping/kernels/triples.hpp"
+
 #if defined(__AVX512BW__)
 #include "pipeline/mapping/kernels/lanes_avx512.hpp"
 #elif defined(__AVX2__)

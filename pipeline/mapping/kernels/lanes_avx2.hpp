@@ -19,6 +19,12 @@ POVSLAM_INLINE Floats load(const float* p) {
 POVSLAM_INLINE Ints load(const int32_t* p) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i_u*>(p));
 }
+POVSLAM_INLINE Ints load(const uint32_t* p) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i_u*>(p));
+}
+POVSLAM_INLINE void store(uint32_t* p, Ints a) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i_u*>(p), a);
+}
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm256_storeu_si256(reinterpret_cast<__m256i_u*>(p), a);
 }
@@ -107,6 +113,32 @@ POVSLAM_INLINE Ints high_half(Ints a) {
 }
 POVSLAM_INLINE Floats to_floats(Ints a) {
   return _mm256_cvtepi32_ps(a);
+}
+
+POVSLAM_INLINE Ints shift_left(Ints a, int count) {
+  return _mm256_sll_epi32(a, _mm_cvtsi32_si128(count));
+}
+POVSLAM_INLINE Ints shift_right(Ints a, int count) {
+  return _mm256_srl_epi32(a, _mm_cvtsi32_si128(count));
+}
+POVSLAM_INLINE Ints or_bits(Ints a, Ints b) {
+  return _mm256_or_si256(a, b);
+}
+POVSLAM_INLINE Ints select(Mask mask, Ints yes, Ints no) {
+  return _mm256_blendv_epi8(no, yes, _mm256_castps_si256(mask));
+}
+// The inverse of bits().
+POVSLAM_INLINE Mask lanes_of(unsigned bits) {
+  const Ints one = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+  return _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(fill_int(static_cast<int>(bits)), one), one));
+}
+// 3 bytes a lane, the first in its lowest byte.
+POVSLAM_INLINE Ints load_triples(const uint8_t* p) {
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(load_four_triples(p)), load_four_triples(p + 12), 1);
+}
+POVSLAM_INLINE void store_triples(uint8_t* p, Ints a) {
+  store_four_triples(p, _mm256_castsi256_si128(a));
+  store_four_triples(p + 12, _mm256_extracti128_si256(a, 1));
 }
 
 }  // namespace povslam::POVSLAM_ISA

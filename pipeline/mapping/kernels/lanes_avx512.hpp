@@ -19,6 +19,12 @@ POVSLAM_INLINE Floats load(const float* p) {
 POVSLAM_INLINE Ints load(const int32_t* p) {
   return _mm512_loadu_si512(p);
 }
+POVSLAM_INLINE Ints load(const uint32_t* p) {
+  return _mm512_loadu_si512(p);
+}
+POVSLAM_INLINE void store(uint32_t* p, Ints a) {
+  _mm512_storeu_si512(p, a);
+}
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm512_storeu_si512(p, a);
 }
@@ -104,6 +110,36 @@ POVSLAM_INLINE Ints high_half(Ints a) {
 }
 POVSLAM_INLINE Floats to_floats(Ints a) {
   return _mm512_cvtepi32_ps(a);
+}
+
+POVSLAM_INLINE Ints shift_left(Ints a, int count) {
+  return _mm512_sll_epi32(a, _mm_cvtsi32_si128(count));
+}
+POVSLAM_INLINE Ints shift_right(Ints a, int count) {
+  return _mm512_srl_epi32(a, _mm_cvtsi32_si128(count));
+}
+POVSLAM_INLINE Ints or_bits(Ints a, Ints b) {
+  return _mm512_or_si512(a, b);
+}
+POVSLAM_INLINE Ints select(Mask mask, Ints yes, Ints no) {
+  return _mm512_mask_blend_epi32(mask, no, yes);
+}
+// The inverse of bits().
+POVSLAM_INLINE Mask lanes_of(unsigned bits) {
+  return static_cast<Mask>(bits);
+}
+// 3 bytes a lane, the first in its lowest byte.
+POVSLAM_INLINE Ints load_triples(const uint8_t* p) {
+  Ints four = _mm512_castsi128_si512(load_four_triples(p));
+  four = _mm512_inserti32x4(four, load_four_triples(p + 12), 1);
+  four = _mm512_inserti32x4(four, load_four_triples(p + 24), 2);
+  return _mm512_inserti32x4(four, load_four_triples(p + 36), 3);
+}
+POVSLAM_INLINE void store_triples(uint8_t* p, Ints a) {
+  store_four_triples(p, _mm512_castsi512_si128(a));
+  store_four_triples(p + 12, _mm512_extracti32x4_epi32(a, 1));
+  store_four_triples(p + 24, _mm512_extracti32x4_epi32(a, 2));
+  store_four_triples(p + 36, _mm512_extracti32x4_epi32(a, 3));
 }
 
 }  // namespace povslam::POVSLAM_ISA

@@ -19,6 +19,12 @@ POVSLAM_INLINE Floats load(const float* p) {
 POVSLAM_INLINE Ints load(const int32_t* p) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i_u*>(p));
 }
+POVSLAM_INLINE Ints load(const uint32_t* p) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i_u*>(p));
+}
+POVSLAM_INLINE void store(uint32_t* p, Ints a) {
+  _mm_storeu_si128(reinterpret_cast<__m128i_u*>(p), a);
+}
 POVSLAM_INLINE void store(int32_t* p, Ints a) {
   _mm_storeu_si128(reinterpret_cast<__m128i_u*>(p), a);
 }
@@ -118,6 +124,31 @@ POVSLAM_INLINE Ints high_half(Ints a) {
 }
 POVSLAM_INLINE Floats to_floats(Ints a) {
   return _mm_cvtepi32_ps(a);
+}
+
+POVSLAM_INLINE Ints shift_left(Ints a, int count) {
+  return _mm_sll_epi32(a, _mm_cvtsi32_si128(count));
+}
+POVSLAM_INLINE Ints shift_right(Ints a, int count) {
+  return _mm_srl_epi32(a, _mm_cvtsi32_si128(count));
+}
+POVSLAM_INLINE Ints or_bits(Ints a, Ints b) {
+  return _mm_or_si128(a, b);
+}
+POVSLAM_INLINE Ints select(Mask mask, Ints yes, Ints no) {
+  return _mm_blendv_epi8(no, yes, _mm_castps_si128(mask));
+}
+// The inverse of bits().
+POVSLAM_INLINE Mask lanes_of(unsigned bits) {
+  const Ints one = _mm_setr_epi32(1, 2, 4, 8);
+  return _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(fill_int(static_cast<int>(bits)), one), one));
+}
+// 3 bytes a lane, the first in its lowest byte.
+POVSLAM_INLINE Ints load_triples(const uint8_t* p) {
+  return load_four_triples(p);
+}
+POVSLAM_INLINE void store_triples(uint8_t* p, Ints a) {
+  store_four_triples(p, a);
 }
 
 }  // namespace povslam::POVSLAM_ISA

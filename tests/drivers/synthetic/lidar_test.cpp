@@ -34,19 +34,20 @@ TEST(Lidar, EachPointLiesWhereItsBeamMeetsTheWorldAtItsOwnTime) {
 
 TEST(FinalSurface, LiesOnTheObjectsWhereTheyEndUp) {
   const World world = make_world(small_options("boxsim", 2));
-  const std::vector<Eigen::Vector3f> surface = final_surface(world.scene(), 0.05);
+  const std::vector<SurfacePoint> surface = final_surface(world.scene(), 0.01);
   double area_m2 = 0.0;
   for (const Object& object : world.scene().objects) {
     const Eigen::Vector3d& s = object.size_m;
     area_m2 += s.x() * s.y() + 2.0 * s.z() * (s.x() + s.y());  // without the underside
   }
-  EXPECT_NEAR(static_cast<double>(surface.size()) * 0.05 * 0.05, area_m2, 0.1 * area_m2);
+  EXPECT_NEAR(static_cast<double>(surface.size()) * 0.01 * 0.01, area_m2, 0.1 * area_m2);
   for (std::size_t i = 0; i < surface.size(); i += 17) {
+    EXPECT_NEAR(surface[i].normal.norm(), 1.0F, 1e-5F);
     double nearest = 1.0;
     for (const Object& object : world.scene().objects) {
       const Eigen::Matrix3d R_object_world =
           Eigen::AngleAxisd(-object.after.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-      const Eigen::Vector3d p_object = R_object_world * (surface[i].cast<double>() - object.after.position);
+      const Eigen::Vector3d p_object = R_object_world * (surface[i].at.cast<double>() - object.after.position);
       nearest = std::min(nearest, std::abs((p_object.cwiseAbs() - 0.5 * object.size_m).maxCoeff()));
     }
     EXPECT_LT(nearest, 1e-5);

@@ -73,7 +73,8 @@ std::vector<LookPixel> make_look(const MappingKernels& kernels, const LookSource
 }
 
 std::vector<unsigned> integrate_all(const MappingKernels& kernels, Case& c, int channels) {
-  const std::vector<LookPixel> look = make_look(kernels, c.source(0, 0, kColumns, kRows));
+  std::vector<LookPixel> look = make_look(kernels, c.source(0, 0, kColumns, kRows));
+  look.push_back(0);
   IntegratePass pass{};
   pass.rays = Case::rays();
   pass.look = look.data();

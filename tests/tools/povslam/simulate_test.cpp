@@ -104,7 +104,7 @@ TEST_F(Simulate, WritesTheTruthOfPosesAndObjects) {
   EXPECT_EQ(moved, 6);
   const std::string ply = content(out / "final_surface.ply");
   const std::size_t count = std::stoul(ply.substr(ply.find("vertex ") + 7)), header = ply.find("end_header\n") + 11;
-  EXPECT_EQ(ply.size() - header, 12 * count);
+  EXPECT_EQ(ply.size() - header, 24 * count);
   const std::string pcd = content(out / "lidar/000000.pcd");
   const std::size_t points = std::stoul(pcd.substr(pcd.find("POINTS ") + 7)), data = pcd.find("DATA binary\n") + 12;
   EXPECT_GT(points, 1000U);

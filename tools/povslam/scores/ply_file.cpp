@@ -131,15 +131,18 @@ class Body {
 
 void read_vertex(const Element& element, Body& body, PlyMesh& mesh) {
   constexpr double kFarthest_m = 1e4;
-  Eigen::Vector3d p = Eigen::Vector3d::Constant(std::nan(""));
+  Eigen::Vector3d p = Eigen::Vector3d::Constant(std::nan("")), normal = p;
   for (const Property& property : element.properties) {
     if (!property.count_type.empty()) body.fail("a list among a vertex's properties");
     const double value = body.next(property.type);
     if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z')
       p[property.name[0] - 'x'] = value;
+    if (property.name.size() == 2 && property.name[0] == 'n' && property.name[1] >= 'x' && property.name[1] <= 'z')
+      normal[property.name[1] - 'x'] = value;
   }
   if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest_m) body.fail("vertex without finite x, y, z within 10 km");
   mesh.vertices.push_back(p);
+  if (normal.allFinite()) mesh.normals.push_back(normal);
 }
 
 std::uint32_t vertex_index(double value, const Body& body, const PlyMesh& mesh) {
@@ -188,6 +191,7 @@ PlyMesh parse(const std::string& content) {
       }
     }
   }
+  if (mesh.normals.size() != mesh.vertices.size()) mesh.normals.clear();
   return mesh;
 }
 

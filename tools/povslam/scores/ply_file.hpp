@@ -1,4 +1,5 @@
-// PLY meshes and point clouds (binary little endian or ascii): positions and triangles, everything else is skipped.
+// PLY meshes and point clouds (binary little endian or ascii): positions, normals and triangles, everything else is
+// skipped.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,6 +14,7 @@ namespace povslam::scores {
 
 struct PlyMesh {
   std::vector<Eigen::Vector3d> vertices;                // as in the file (metres)
+  std::vector<Eigen::Vector3d> normals;                 // of the vertices, as in the file; empty if it has none
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices, all valid; polygons are cut into fans
 };
 

@@ -1,5 +1,6 @@
 #include "tools/povslam/scores/visibility.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "drivers/replay/image_file.hpp"
@@ -48,11 +49,24 @@ void count_objects(const TrueView& view, const SceneTruth& truth, std::vector<Ob
   }
 }
 
-void count_points(const TrueView& view, std::span<const Eigen::Vector3d> points_world,
-                  std::vector<std::size_t>& counts) {
-  for (std::size_t i = 0; i < points_world.size(); ++i) {
-    if (counts[i] < kMaxPointFrames && sees_point(view, points_world[i])) ++counts[i];
+void count_points(const TrueView& view, const PlyMesh& surface_world, std::vector<std::size_t>& counts) {
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] >= kMaxPointFrames) continue;
+    const Eigen::Vector3d* normal_world = surface_world.normals.empty() ? nullptr : &surface_world.normals[i];
+    if (sees_point(view, surface_world.vertices[i], normal_world)) ++counts[i];
   }
+}
+
+// What lies behind a rim by more than this is another surface than the one measured there.
+double surface_tolerance_m(const TrueView& view, const Eigen::Vector3d& p_camera,
+                           const Eigen::Vector3d& normal_camera) {
+  constexpr double kFloor_m = 0.01, kMostSlant_m = 0.05;
+  const double z_m = p_camera.z(), half_pixel_of_x = 0.5 * z_m / view.camera->fx,
+               half_pixel_of_y = 0.5 * z_m / view.camera->fy;
+  const double slant_m =
+      (std::abs(normal_camera.x()) * half_pixel_of_x + std::abs(normal_camera.y()) * half_pixel_of_y) * z_m /
+      std::abs(normal_camera.dot(p_camera));
+  return kFloor_m + 3.0 * 0.0025 * z_m * z_m + std::min(slant_m, kMostSlant_m);
 }
 
 Result<std::vector<StampedPose>> true_poses(const std::filesystem::path& sequence) {
@@ -77,9 +91,14 @@ bool sees_place_empty(const TrueView& view, const OrientedBox& place) {
   return through >= kSeenThroughShare * kGrid * kGrid * kGrid;
 }
 
-bool sees_point(const TrueView& view, const Eigen::Vector3d& p_world) {
+bool sees_point(const TrueView& view, const Eigen::Vector3d& p_world, const Eigen::Vector3d* normal_world) {
   const std::optional<DepthAt> depth = look_at(view, p_world);
-  return depth && std::abs(depth->measured_m - depth->expected_m) <= depth_tolerance_m(depth->expected_m);
+  if (!depth) return false;
+  const double off_m = std::abs(depth->measured_m - depth->expected_m);
+  if (normal_world == nullptr) return off_m <= depth_tolerance_m(depth->expected_m);
+  const Eigen::Vector3d p_camera = view.T_camera_world * p_world,
+                        normal_camera = view.T_camera_world.rotation * *normal_world;
+  return normal_camera.dot(p_camera) < 0.0 && off_m <= surface_tolerance_m(view, p_camera, normal_camera);
 }
 
 std::map<int, std::size_t> instance_pixels(const ImageU16& instances) {
@@ -93,7 +112,7 @@ std::map<int, std::size_t> instance_pixels(const ImageU16& instances) {
 }
 
 Result<Sightings> count_sightings(const std::filesystem::path& sequence, const SceneTruth& truth,
-                                  std::span<const Eigen::Vector3d> surface_points_world) {
+                                  const PlyMesh& surface_world) {
   const Result<Sequence> frames = read_sequence({sequence, "", LabelChoice::off, 0.02});
   if (!frames) return frames.error();
   const SequenceSensor& sensor = frames->sensors.front();
@@ -104,7 +123,7 @@ Result<Sightings> count_sightings(const std::filesystem::path& sequence, const S
   const ImageSize size{camera.width, camera.height};
   Sightings sightings;
   sightings.objects.resize(truth.objects.size());
-  sightings.points.assign(surface_points_world.size(), 0);
+  sightings.points.assign(surface_world.vertices.size(), 0);
   ImageReader reader;
   ImageU16 depth, instances;
   Progress progress("looking at the truth", sensor.entries.size());
@@ -121,7 +140,7 @@ Result<Sightings> count_sightings(const std::filesystem::path& sequence, const S
       sightings.have_instances = true;
       count_objects(view, truth, sightings.objects);
     }
-    if (entry.stamp > truth.lap1_end) count_points(view, surface_points_world, sightings.points);
+    if (entry.stamp > truth.lap1_end) count_points(view, surface_world, sightings.points);
   }
   return sightings;
 }

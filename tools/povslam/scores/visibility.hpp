@@ -6,18 +6,20 @@
 //   an empty place is visible   a fifth of the points of a 5 x 5 x 5 grid in its box were looked through: the depth
 //   measured
 //                               at their pixel is more than 5 cm + 3 sigma behind them
-//   a surface point is visible  the depth measured at its pixel is its own within 5 cm + 3 sigma
+//   a surface point is visible  its surface faces the camera, and the depth measured at its pixel is its own within
+//                               1 cm + 3 sigma and what half a pixel amounts to on its slant (at most 5 cm). Of a
+//                               truth without normals: within 5 cm + 3 sigma, whichever way it faces
 // sigma = 0.0025 z^2 [m], the simulated camera's depth noise.
 #pragma once
 
 #include <filesystem>
 #include <map>
-#include <span>
 #include <vector>
 
 #include "drivers/replay/sequence.hpp"
 #include "drivers/replay/trajectory_file.hpp"
 #include "pipeline/frames/image.hpp"
+#include "tools/povslam/scores/ply_file.hpp"
 #include "tools/povslam/scores/scene_files.hpp"
 
 namespace povslam::scores {
@@ -32,7 +34,8 @@ struct TrueView {  // one frame, valid during the call it is handed to
 };
 
 bool sees_place_empty(const TrueView& view, const OrientedBox& place);
-bool sees_point(const TrueView& view, const Eigen::Vector3d& p_world);
+// normal_world: outward, of length 1; null: not known.
+bool sees_point(const TrueView& view, const Eigen::Vector3d& p_world, const Eigen::Vector3d* normal_world);
 std::map<int, std::size_t> instance_pixels(const ImageU16& instances);
 
 struct ObjectSightings {            // frames in which ...
@@ -52,6 +55,6 @@ constexpr std::size_t kMaxPointFrames = 3;
 
 // Reads every image of the sequence once. sequence: a folder of sequence-format with camera.yaml and groundtruth.txt.
 Result<Sightings> count_sightings(const std::filesystem::path& sequence, const SceneTruth& truth,
-                                  std::span<const Eigen::Vector3d> surface_points_world);
+                                  const PlyMesh& surface_world);
 
 }  // namespace povslam::scores
