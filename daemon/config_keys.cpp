@@ -96,7 +96,8 @@ std::vector<Key<AppConfig>> backend_table() {
            "pov: what is believed of objects decides what tracking hangs on; static: every landmark counts alike",
            {"pov", "static"}),
       key("backend.delay_frames", AT(pipeline.backend.delay_frames), 1, 1000,
-          "Replay: the answer of a background job enters this many frames after it was asked for"),
+          "The answer of a background job enters this many frames after it was asked for; one that is late, when it "
+          "comes"),
       key("smooth.max_iterations", AT(pipeline.backend.smooth.max_iterations), 1, 1000,
           "Of each round of a local bundle adjustment"),
       key("smooth.huber_pixel", AT(pipeline.backend.smooth.huber_pixel), 0.1, 100.0,

@@ -13,7 +13,7 @@ std::vector<Key<AppConfig>> window_table() {
       key("window.every_frames", AT(pipeline.window.every_frames), 0, 1000,
           "Frames from one in the window to the next; each is solved for; 0: objects are not inferred from tracking"),
       key("window.delay_frames", AT(pipeline.window.delay_frames), 1, 1000,
-          "Replay: the answer enters this many frames after it was asked for"),
+          "The answer enters this many frames after it was asked for; one that is late, when it comes"),
       key("window.frames", AT(pipeline.window.frames), 1, 16, "In the window"),
       key("window.max_matches", AT(pipeline.window.max_matches), 50, 20000,
           "Of a frame; where there are more, objects that have many give up theirs first"),

@@ -15,7 +15,7 @@
 namespace povslam {
 
 struct BackendOptions {
-  int delay_frames = 10;  // replay: the answer of a background job enters this many frames after it was asked for
+  int delay_frames = 10;  // the answer of a background job enters this many frames after it was asked for, or when late
   SmoothOptions smooth;
   CloseLoopOptions close_loop;
   VemOptions vem;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pipeline/frontend/track.hpp"
+#include "pipeline/jobs_out.hpp"
 #include "pipeline/keyframe_anchors.hpp"
 
 namespace povslam {
@@ -12,6 +13,8 @@ struct Pipeline::Impl {
        const MapContent* map)
       : T_camera_body(calibration.T_body_sensor.inverse()),
         tracker(calibration, options.frontend, T_world_body_start * calibration.T_body_sensor, map),
+        delay_frames(options.backend.delay_frames),
+        window_delay_frames(options.window.delay_frames),
         pov(options.mode == "pov"),
         vem(calibration.camera, options.frontend, options.window, options.understanding.objects.belief),
         view_period(from_seconds(options.understanding.period_s)) {
@@ -30,9 +33,20 @@ struct Pipeline::Impl {
     }
   }
 
-  Rigid3 T_camera_body;
-  Rigid3 T_odom_start;  // odom begins where the world does
-  Tracker tracker;
+  // Answers that are due enter.
+  void enter_answers() {
+    while (const auto job = jobs.take_due(next_frame)) {
+      if (VemProblem* const* window = std::get_if<VemProblem*>(&*job)) vem.give_back(*window);
+      if (SmoothProblem* const* problem = std::get_if<SmoothProblem*>(&*job)) tracker.give_back(*problem);
+      if (LoopProblem* const* problem = std::get_if<LoopProblem*>(&*job)) tracker.give_back(*problem);
+    }
+  }
+  std::optional<BackendJob> hand_out(const BackendJob& job) {
+    const bool window = std::holds_alternative<VemProblem*>(job);
+    jobs.add(job, next_frame - 1 + (window ? window_delay_frames : delay_frames));
+    return job;
+  }
+
   // What is known of objects, and came of it, enters.
   void apply_window() {
     if (!pov) return;
@@ -48,6 +62,12 @@ struct Pipeline::Impl {
     vem.look(tracker.map(), tracker.local_map(), frame, tracker.frame(), track.T_odom_camera);
   }
 
+  Rigid3 T_camera_body;
+  Rigid3 T_odom_start;  // odom begins where the world does
+  Tracker tracker;
+  JobsOut jobs{4};  // one of each kind can be out
+  int delay_frames, window_delay_frames;
+  std::int64_t next_frame = 0;  // index of the one that localise() is given next
   PoseEstimate estimate;
   bool pov;
   VemExchange vem;
@@ -82,6 +102,8 @@ float ms(TimeNs span) {
 
 const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
   const TimeNs start = thread_cpu_now();
+  impl_->enter_answers();
+  ++impl_->next_frame;
   impl_->apply_window();
   const TrackResult& track = impl_->tracker.track(frame);
   PoseEstimate& out = impl_->estimate;
@@ -105,16 +127,14 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
 
 std::optional<BackendJob> Pipeline::take_job() {
   if (impl_->pov) {
-    if (VemProblem* window = impl_->vem.take(impl_->tracker.map())) return window;
+    if (VemProblem* window = impl_->vem.take(impl_->tracker.map())) return impl_->hand_out(window);
   }
-  if (LoopProblem* loop = impl_->tracker.take_loop()) return loop;
-  if (SmoothProblem* window = impl_->tracker.take_problem()) return window;
+  if (LoopProblem* loop = impl_->tracker.take_loop()) return impl_->hand_out(loop);
+  if (SmoothProblem* window = impl_->tracker.take_problem()) return impl_->hand_out(window);
   return std::nullopt;
 }
 void Pipeline::give_back(const BackendJob& job) {
-  if (VemProblem* const* window = std::get_if<VemProblem*>(&job)) return impl_->vem.give_back(*window);
-  if (SmoothProblem* const* problem = std::get_if<SmoothProblem*>(&job)) impl_->tracker.give_back(*problem);
-  if (LoopProblem* const* problem = std::get_if<LoopProblem*>(&job)) impl_->tracker.give_back(*problem);
+  impl_->jobs.answer(job);
 }
 
 MapChange* Pipeline::take_change() {

@@ -5,6 +5,7 @@
 //   for each frame:  publish(pipeline.localise(frame));
 //                    while (const auto job = pipeline.take_job()) …solve(*job, …) beside tracking…
 //                    …once solved, before a later localise(): pipeline.give_back(*job);
+// Answers enter backend.delay_frames and window.delay_frames after they were asked for, or later if they come later.
 #pragma once
 
 #include <memory>

@@ -5,7 +5,7 @@ namespace povslam {
 
 struct WindowOptions {
   int every_frames = 1;    // frames from one in the window to the next; each such frame is solved for. 0: no VEM
-  int delay_frames = 1;    // replay: an answer enters this many frames after it was asked for
+  int delay_frames = 1;    // an answer enters this many frames after it was asked for, or when it is late
   int frames = 8;          // in the window
   int max_matches = 4000;  // of a frame; where there are more, objects with many give up theirs first
   double vo_sigma_m = 0.02, vo_sigma_rad = 0.01;          // of odometry between neighbouring frames of the window

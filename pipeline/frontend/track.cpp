@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/frontend/map_loader.hpp"
 #include "pipeline/frontend/pose_covariance.hpp"
 
 namespace povslam {
 
 namespace {
-constexpr int kMinToStart = 40;          // features with depth to begin a map
-constexpr int kMinFromLast = 20;         // points of the last frame that must agree on a pose…
-constexpr double kMinFitting = 0.4;      // …and their share of those matched
+constexpr double kMinFitting = 0.4;      // share of the points of the last frame that must agree on a pose
 constexpr double kMinAgreement = 0.5;    // of thumbnails before the turn they tell is believed
 constexpr int kMinToRelocalise = 40;     // fitting landmarks before a found place is believed
 constexpr float kWide = 4.0F;            // widening of the local search around a found place
@@ -21,8 +18,6 @@ constexpr double kUnseenSpeedMps = 1.0;  // how fast the pose may leave us while
 constexpr double kUnseenTurnRadps = 1.0;
 // No robot, nor a hand, moves faster between the last pose and this one; what would have to is somewhere else.
 constexpr double kStepM = 0.05, kMaxSpeedMps = 4.0, kStepRad = 0.05, kMaxTurnRadps = 6.0;
-constexpr double kAnywhereM = 100.0, kAnyTurnRad = 3.0;  // doubt of a pose nobody knows
-constexpr int kStartTries = 30;                          // frames
 }  // namespace
 
 Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& options,
@@ -54,22 +49,6 @@ Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& op
   if (content != nullptr && !content->keyframes.empty()) adopt(*content);
 }
 
-// Where on the earlier session's map we are is to be found out.
-void Tracker::adopt(const MapContent& content) {
-  MapLoader::load(content, camera_, map_);
-  places_.update(map_, content.meta.vocabulary == places_.vocabulary());
-  journal_.assume_written(map_, content);
-  for (std::int32_t slot = 0; slot < map_.landmark_slots(); ++slot) {
-    if (map_.landmark(slot).alive) restored_landmarks_.emplace(map_.landmark(slot).id, slot);
-  }
-  result_.map_version = content.meta.map_version;
-  result_.state = TrackState::lost;
-  result_.covariance.topLeftCorner<3, 3>().diagonal().setConstant(kAnywhereM * kAnywhereM);
-  result_.covariance.bottomRightCorner<3, 3>().diagonal().setConstant(kAnyTurnRad * kAnyTurnRad);
-  bad_frames_ = options_.track.frames_to_lost;
-  start_tries_ = options_.map.start == "known" ? kStartTries : 0;
-}
-
 const TrackResult& Tracker::track(const RgbdFrame& input) {
   const TimeNs start = thread_cpu_now();
   result_.keyframe = false;
@@ -93,50 +72,12 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     posed = thread_cpu_now();
     update_state(tracked);
     if (tracked) upkeep();
+    if (!tracked && map_is_worthless()) begin_again();
   }
   result_.features_ns = built - start;
   result_.track_ns = posed - built;
   result_.keyframe_ns = thread_cpu_now() - posed;
   return result_;
-}
-
-bool Tracker::start_map() {
-  int with_depth = 0;
-  for (int i = 0; i < frame_.size(); ++i) with_depth += frame_.has_depth(i) ? 1 : 0;
-  if (with_depth < kMinToStart) return false;
-  frame_.T_camera_world = T_world_camera_start_.inverse();
-  newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, Matrix6d::Zero(), -1);
-  reference_id_ = map_.keyframe(newest_keyframe_).id;
-  result_.state = TrackState::ok;
-  result_.keyframe = true;
-  result_.num_landmarks = map_.num_landmarks();
-  return true;
-}
-
-// A map begun while a rolling shutter's camera was turning is bent: nothing was known then of its speed. With the
-// second frame it is, so both are straightened, the motion between them found again, and the map begins there.
-void Tracker::restart_map() {
-  constexpr int kRounds = 3;
-  std::fill_n(last_.landmark.begin(), last_.size(), kNone);
-  for (int round = 0; round < kRounds; ++round) {
-    const Rigid3 T_before_now = last_.T_camera_world * frame_.T_camera_world.inverse();
-    const Vector6d speed = se3_log(T_before_now) / to_seconds(frame_.stamp - last_.stamp);
-    last_.compensate_motion(camera_, speed, rolling_shutter_s_);
-    frame_.compensate_motion(camera_, speed, rolling_shutter_s_);
-    search_.match_last(map_, last_, frame_, frame_.T_camera_world, static_cast<float>(options_.track.search_radius_px),
-                       matcher_);
-    observe_matches();
-    const PoseSolution solution = solve_pose(camera_, frame_.T_camera_world, observations_, PoseSolverOptions{});
-    if (!solution.converged || solution.num_inliers < kMinFromLast) return;
-    local_map_.forget();
-    std::fill_n(frame_.landmark.begin(), frame_.size(), kNone);
-    accept(solution);
-  }
-  const std::int32_t bent = newest_keyframe_;
-  newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, -1);
-  map_.remove_keyframe(bent, newest_keyframe_);
-  reference_id_ = map_.keyframe(newest_keyframe_).id;
-  result_.keyframe = true;
 }
 
 bool Tracker::track_frame() {

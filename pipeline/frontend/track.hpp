@@ -73,9 +73,14 @@ class Tracker {
   void correct(const Rigid3& T_new_old);
 
  private:
+  static constexpr int kMinFromLast = 20;  // points of the last frame that must agree on a pose
+
   void adopt(const MapContent& content);
+  bool can_begin_map() const;
   bool start_map();
   void restart_map();
+  bool map_is_worthless() const;
+  void begin_again();
   bool track_frame();
   bool track_from_last();
   int match_last(const Rigid3& T_camera_world, float radius_px);

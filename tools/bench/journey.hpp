@@ -1,5 +1,4 @@
-// The pipeline driven frame by frame in one thread, as `povslam replay` does it: answers of background jobs enter a
-// fixed number of frames after they were asked for.
+// The pipeline driven frame by frame in one thread, as `povslam replay` does it.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +7,6 @@
 #include <vector>
 
 #include "pipeline/pipeline.hpp"
-#include "tools/povslam/delay_line.hpp"
 
 namespace povslam {
 
@@ -16,18 +14,14 @@ class Journey {
  public:
   Journey(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start,
           const MapContent* map = nullptr)
-      : backend_(options.backend),
-        pipeline_(options, calibration, T_world_body_start, map),
-        answers_(options.backend.delay_frames) {}
+      : backend_(options.backend), pipeline_(options, calibration, T_world_body_start, map) {}
 
   const PoseEstimate& track(const RgbdFrame& frame) {
-    while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
     const PoseEstimate& pose = pipeline_.localise(frame);
     while (const auto job = pipeline_.take_job()) {
       solve(*job, backend_);
-      answers_.push(frame_, *job);
+      pipeline_.give_back(*job);
     }
-    ++frame_;
     return pose;
   }
 
@@ -47,8 +41,6 @@ class Journey {
  private:
   BackendOptions backend_;
   Pipeline pipeline_;
-  DelayLine<BackendJob> answers_;
-  std::int64_t frame_ = 0;
 };
 
 inline bool has_pose(const PoseEstimate& pose) {

@@ -10,7 +10,6 @@
 #include "daemon/store.hpp"
 #include "pipeline/base/log.hpp"
 #include "pipeline/pipeline.hpp"
-#include "tools/povslam/delay_line.hpp"
 #include "tools/povslam/progress.hpp"
 #include "tools/povslam/true_poses.hpp"
 
@@ -107,7 +106,7 @@ class RecordingSink : public Sink {
   Progress& progress_;
 };
 
-// The journey in one thread: answers of background jobs enter a fixed number of frames after they were asked for.
+// The journey in one thread: background jobs are solved when they are asked for.
 class SingleThread {
  public:
   SingleThread(const ReplaySettings& settings, const SensorCalibration& calibration, const Rigid3& T_world_body,
@@ -115,8 +114,6 @@ class SingleThread {
       : backend_options_(settings.config.pipeline.backend),
         store_(map == nullptr ? nullptr : &map->store),
         pipeline_(pipeline_options(settings), calibration, T_world_body, begun_with(map)),
-        answers_(settings.config.pipeline.backend.delay_frames),
-        windows_(settings.config.pipeline.window.delay_frames),
         true_poses_(settings.true_poses),
         view_period_(from_seconds(settings.config.pipeline.understanding.period_s)) {
     if (settings.config.pipeline.understanding.labels == "off") return;
@@ -127,8 +124,6 @@ class SingleThread {
 
   void track(const RgbdFrame& frame, Recorder& recorder) {
     const TimeNs begun = thread_cpu_now();
-    while (const auto answer = answers_.pop(frame_)) pipeline_.give_back(*answer);
-    while (const auto answer = windows_.pop(frame_)) pipeline_.give_back(*answer);
     const PoseEstimate& pose = pipeline_.localise(frame);
     recorder.add(pose, pipeline_.map_size());
     tracking_cpu_ += thread_cpu_now() - begun;
@@ -140,7 +135,6 @@ class SingleThread {
       recorder.add_true(frame.stamp, *T_world_camera);
       if (understanding_ && frame.stamp >= next_true_view_) understand_from(frame, T_world_camera, recorder);
     }
-    ++frame_;
   }
 
   void take(const LabelFrame& labels, Recorder& recorder) {
@@ -192,7 +186,7 @@ class SingleThread {
     const TimeNs begun = thread_cpu_now();
     solve(job, backend_options_);
     recorder.add_backend(job, to_ms(thread_cpu_now() - begun));
-    (std::holds_alternative<VemProblem*>(job) ? windows_ : answers_).push(frame_, job);
+    pipeline_.give_back(job);
   }
 
   void store(MapChange* map, WorldChange* world) {
@@ -218,12 +212,10 @@ class SingleThread {
   MapStore* store_;
   std::string store_failure_;
   Pipeline pipeline_;
-  DelayLine<BackendJob> answers_, windows_;
   std::optional<Understanding> understanding_;
   View view_;
   TruePoses true_poses_;
   TimeNs view_period_, next_true_view_ = 0;
-  std::int64_t frame_ = 0;
   TimeNs tracking_cpu_ = 0;
 };
 

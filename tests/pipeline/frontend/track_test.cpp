@@ -185,6 +185,33 @@ TEST(Tracker, IsLostInARoomItDoesNotKnow) {
   }
 }
 
+TEST(Tracker, BeginsAgainInDoubtWhenItsMapWasOfOneMoment) {
+  Follower follower(1);
+  ASSERT_EQ(follower.drive().state, TrackState::ok);
+  const std::uint32_t version = follower.result().map_version;
+  SimulatedView elsewhere(small_drive(21));
+  bool lost = false;
+  double past_lost_s = 0.0;
+  Rigid3 T_here_there;
+  for (int i = 0; past_lost_s < 1.0; ++i) {
+    ASSERT_LT(i, 300) << "it looks for its first moment for ever";
+    const double time_s = 0.5 + 1.0 * i / 30.0;
+    RgbdFrame image = elsewhere.drive(time_s);
+    image.stamp = image.depth_stamp = from_seconds(follower.time_s());
+    const TrackResult& result = follower.give(image, Rigid3());
+    lost = lost || result.state == TrackState::lost;
+    if (!lost || result.state == TrackState::lost) continue;
+    if (past_lost_s == 0.0) T_here_there = result.T_world_camera * elsewhere.T_world_camera(time_s).inverse();
+    const Rigid3 followed = T_here_there * elsewhere.T_world_camera(time_s);
+    EXPECT_LT((result.T_world_camera.translation - followed.translation).norm(), 0.05) << i;
+    EXPECT_GT(std::sqrt(result.covariance.topLeftCorner<3, 3>().trace()), 1.0) << "where it stands is not known";
+    past_lost_s += elsewhere.period_s();
+  }
+  EXPECT_TRUE(lost);
+  EXPECT_EQ(follower.result().state, TrackState::ok);
+  EXPECT_GT(follower.result().map_version, version);
+}
+
 TEST(Tracker, SaysWhenItSeesLittle) {
   // Only a corner of the image shows anything.
   Follower follower(1);
