@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <deque>
 #include <vector>
 
 #include "tests/pipeline/frontend/simulated_view.hpp"
@@ -112,7 +113,9 @@ TEST(Pipeline, KeepsOdometryContinuousWhenAnswersEnter) {
 
 TEST(Pipeline, MovesTheWorldAndNotOdometryWhenTheMapIsCorrected) {
   SimulatedView view(small_drive(2));
-  Pipeline pipeline(small_pipeline(), view.calibration(), view.T_world_body(0.0));
+  PipelineOptions options = small_pipeline();
+  options.backend.delay_frames = 1;
+  Pipeline pipeline(options, view.calibration(), view.T_world_body(0.0));
   const Eigen::Vector3d correction(0.06, -0.08, 0.0);
   double time_s = 0.0;
   SmoothProblem* problem = nullptr;
@@ -148,6 +151,33 @@ TEST(Pipeline, MovesTheWorldAndNotOdometryWhenTheMapIsCorrected) {
   const Rigid3 moved = truth_before.inverse() * truth;
   EXPECT_LT(local(moved, odom_before.inverse() * odom).norm(), 0.01);
   EXPECT_LT((world.translation - (world_before * moved).translation - correction).norm(), 0.01);
+}
+
+TEST(Pipeline, TakesAnAnswerInAtItsFrameHoweverEarlyItCame) {
+  // One is solved at once, one just before it is due.
+  SimulatedView view(small_drive(2));
+  const PipelineOptions options = small_pipeline();
+  Pipeline early(options, view.calibration(), view.T_world_body(0.0));
+  Pipeline late(options, view.calibration(), view.T_world_body(0.0));
+  std::deque<std::pair<int, BackendJob>> waiting;
+  int answers = 0;
+  for (int i = 0; i < 60; ++i) {
+    const RgbdFrame frame = view.drive(i * view.period_s());
+    for (; !waiting.empty() && waiting.front().first == i; waiting.pop_front()) late.give_back(waiting.front().second);
+    const Rigid3 a = early.localise(frame).T_world_camera, b = late.localise(frame).T_world_camera;
+    ASSERT_EQ(a.translation, b.translation) << i;
+    ASSERT_EQ(a.rotation.coeffs(), b.rotation.coeffs()) << i;
+    while (const auto job = early.take_job()) {
+      solve(*job, options.backend);
+      early.give_back(*job);
+      ++answers;
+    }
+    while (const auto job = late.take_job()) {
+      solve(*job, options.backend);
+      waiting.emplace_back(i + options.backend.delay_frames, *job);
+    }
+  }
+  EXPECT_GT(answers, 3);
 }
 
 TEST(Pipeline, NamesAKeyframeThePoseHangsOn) {

@@ -99,7 +99,8 @@ TEST_F(DriftAndLoop, ObjectsFollowTheCorrectionAndNothingIsTold) {
   ASSERT_EQ(understanding.objects().size(), 2U);
   ASSERT_NE(object_at(first), nullptr);
   EXPECT_EQ(object_at(second), nullptr) << "the story needs a drift that shows";
-  const std::int64_t id = understanding.objects()[1].id;
+  const std::int64_t first_id = object_at(first)->id;
+  const std::int64_t id = understanding.objects()[understanding.objects()[0].id == first_id ? 1 : 0].id;
   look({5.0, -2.0}, 12, kDrifted, {}, loop_closed);
   look({4.0, 2.0}, 12, kFirst);
   finish();
