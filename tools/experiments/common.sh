@@ -49,7 +49,7 @@ simulated_daemon() {
   arguments="--set sensor.front.driver=synthetic"
   for option; do arguments="$arguments --set sensor.front.$option"; done
   # shellcheck disable=SC2086 # no option has a blank
-  ${pinned:-} "$bin/povslamd" --set daemon.exit_at_end=false $arguments 2>>"$work/daemon.log" &
+  ${pinned:-} "$bin/povslamd" --set daemon.exit_at_end=false $arguments ${settings:-} 2>>"$work/daemon.log" &
   daemon=$!
   children="$children $daemon"
 }
