@@ -7,7 +7,7 @@ namespace povslam {
 static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 112 && sizeof(VolumeOptions) == 24 &&
               sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 56 &&
               sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 80 &&
-              sizeof(NamingOptions) == 40 && sizeof(UnderstandingOptions) == 552);
+              sizeof(NamingOptions) == 40 && sizeof(UnderstandingOptions) == 560);
 
 std::vector<Key<AppConfig>> understanding_table() {
   return {
@@ -19,6 +19,8 @@ std::vector<Key<AppConfig>> understanding_table() {
            {"auto", "off", "geometric", "dnn", "replay"}),
       key("understanding.period_s", AT(pipeline.understanding.period_s), 0.02, 60.0,
           "Between two frames that are understood"),
+      key("understanding.answer_delay_s", AT(pipeline.understanding.answer_delay_s), 0.0, 60.0,
+          "What a frame tells tracking of objects enters so long after it was taken; what is late, when it comes"),
       key("understanding.label_max_latency_s", AT(pipeline.understanding.label_max_latency_s), 0.0, 30.0,
           "A frame waits so long for its labels"),
 

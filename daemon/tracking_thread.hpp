@@ -65,7 +65,7 @@ class TrackingThread {
   Counters& counters_;
   TrackingProbe probe_;
   TrackedFrame out_;
-  std::array<LandmarkOwner, 512> owners_;        // of one turn: more wait for the next
+  std::array<LandmarkOwner, 2048> owners_;       // of one turn: more wait for the next
   std::array<ObjectBelief, 64> beliefs_;         // likewise
   std::atomic<TimeNs> busy_since_{0};            // monotonic; 0: waiting for a frame
   mutable std::atomic<TimeNs> waking_since_{0};  // monotonic; since when it has been seen waiting beside a frame

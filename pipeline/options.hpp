@@ -26,6 +26,7 @@ struct UnderstandingOptions {
   std::string labels = "auto";
   double period_s = 0.2;             // between two views
   double label_max_latency_s = 3.0;  // a view waits so long for its labels
+  double answer_delay_s = 0.15;      // what a view tells tracking enters so long after it was taken, or when it is late
   double change_period_s = 2.0;      // between two takings of what changed, for the store
   DepthViewOptions view;
   SegmentOptions segment;

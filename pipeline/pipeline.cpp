@@ -3,10 +3,15 @@
 #include <utility>
 
 #include "pipeline/frontend/track.hpp"
+#include "pipeline/held_news.hpp"
 #include "pipeline/jobs_out.hpp"
 #include "pipeline/keyframe_anchors.hpp"
 
 namespace povslam {
+
+namespace {
+constexpr int kMostOwners = 8192, kMostBeliefs = 512;  // held at once; what is more enters sooner
+}  // namespace
 
 struct Pipeline::Impl {
   Impl(const PipelineOptions& options, const SensorCalibration& calibration, const Rigid3& T_world_body_start,
@@ -17,6 +22,8 @@ struct Pipeline::Impl {
         window_delay_frames(options.window.delay_frames),
         pov(options.mode == "pov"),
         vem(calibration.camera, options.frontend, options.window, options.understanding.objects.belief),
+        owners(from_seconds(options.understanding.answer_delay_s), kMostOwners),
+        beliefs(from_seconds(options.understanding.answer_delay_s), kMostBeliefs),
         view_period(from_seconds(options.understanding.period_s)) {
     T_odom_start = T_world_body_start * calibration.T_body_sensor;
   }
@@ -47,7 +54,36 @@ struct Pipeline::Impl {
     return job;
   }
 
-  // What is known of objects, and came of it, enters.
+  void own(std::span<const LandmarkOwner> told) {
+    gone.clear();
+    for (const LandmarkOwner& owner : told) {
+      if (owner.object == LandmarkOwner::kGone) {
+        gone.emplace_back(owner.slot, owner.landmark);
+      } else {
+        tracker.set_owner(owner.slot, owner.landmark, owner.object);
+      }
+    }
+    if (!gone.empty()) tracker.remove_landmarks(gone);
+  }
+  void believe(std::span<const ObjectBelief> told) {
+    for (const ObjectBelief& belief : told) vem.know(belief, tracker.object_trust());
+  }
+  void enter_owners(std::span<const LandmarkOwner> told) {
+    own(told);
+    owners.drop(told.size());
+  }
+  void enter_beliefs(std::span<const ObjectBelief> told) {
+    believe(told);
+    beliefs.drop(told.size());
+  }
+
+  // What is known of objects by the time of the frame just tracked enters; after its pose has left, for it may
+  // allocate.
+  void enter_news() {
+    enter_owners(owners.due(estimate.stamp));
+    enter_beliefs(beliefs.due(estimate.stamp));
+  }
+  // What came of it enters.
   void apply_window() {
     if (!pov) return;
     if (const auto T_new_old = vem.apply(tracker.object_trust())) tracker.correct(*T_new_old);
@@ -72,6 +108,8 @@ struct Pipeline::Impl {
   bool pov;
   VemExchange vem;
   std::uint32_t map_version = 0;
+  HeldNews<LandmarkOwner> owners;
+  HeldNews<ObjectBelief> beliefs;
   std::vector<std::pair<std::int32_t, std::int64_t>> gone;
   TimeNs view_period;
   std::optional<TimeNs> last_view;
@@ -126,6 +164,7 @@ const PoseEstimate& Pipeline::localise(const RgbdFrame& frame) {
 }
 
 std::optional<BackendJob> Pipeline::take_job() {
+  impl_->enter_news();
   if (impl_->pov) {
     if (VemProblem* window = impl_->vem.take(impl_->tracker.map())) return impl_->hand_out(window);
   }
@@ -180,21 +219,17 @@ void Pipeline::fill_view(const RgbdFrame& frame, View& view) {
 }
 
 void Pipeline::take_owners(std::span<const LandmarkOwner> owners) {
-  if (!impl_->pov) return;
-  impl_->gone.clear();
-  for (const LandmarkOwner& owner : owners) {
-    if (owner.object == LandmarkOwner::kGone) {
-      impl_->gone.emplace_back(owner.slot, owner.landmark);
-    } else {
-      impl_->tracker.set_owner(owner.slot, owner.landmark, owner.object);
-    }
-  }
-  if (!impl_->gone.empty()) impl_->tracker.remove_landmarks(impl_->gone);
+  if (!impl_->pov || owners.empty()) return;
+  if (owners.front().seen != 0 && impl_->owners.add(owners)) return;
+  impl_->enter_owners(impl_->owners.all());
+  impl_->own(owners);
 }
 
 void Pipeline::take_beliefs(std::span<const ObjectBelief> beliefs) {
-  if (!impl_->pov) return;
-  for (const ObjectBelief& belief : beliefs) impl_->vem.know(belief, impl_->tracker.object_trust());
+  if (!impl_->pov || beliefs.empty()) return;
+  if (beliefs.front().seen != 0 && impl_->beliefs.add(beliefs)) return;
+  impl_->enter_beliefs(impl_->beliefs.all());
+  impl_->believe(beliefs);
 }
 
 void Pipeline::take_restored(const Understanding& understanding) {

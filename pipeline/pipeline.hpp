@@ -53,7 +53,7 @@ class Pipeline {
   bool view_due() const;
   void fill_view(const RgbdFrame& frame, View& view);
   // Which objects landmarks belong to, and what is believed of objects, as Understood said. Between two calls of
-  // localise().
+  // localise(). What a view told enters understanding.answer_delay_s after it was taken.
   void take_owners(std::span<const LandmarkOwner> owners);
   void take_beliefs(std::span<const ObjectBelief> beliefs);
   void take_restored(const Understanding& understanding);  // both, of an earlier session, before the first frame

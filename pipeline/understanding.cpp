@@ -151,6 +151,8 @@ struct Understanding::Impl {
       done.events = std::move(step.events);
       done.beliefs = library.beliefs(step);
       done.owners = std::move(step.owners);
+      for (ObjectBelief& belief : done.beliefs) belief.seen = view.stamp();
+      for (LandmarkOwner& owner : done.owners) owner.seen = view.stamp();
       associated = thread_cpu_now();
       library.hang_on(view.reference_keyframe, view.stamp());
       integrate(structure, seen, kStructure, Rigid3{}, options.integrate);

@@ -43,6 +43,7 @@ struct LandmarkOwner {
   std::int64_t landmark = -1;
   std::int32_t slot = -1;  // see SeenLandmark; -1: an earlier session's landmark, not seen in this one
   std::int64_t object = kNobody;
+  TimeNs seen = 0;  // stamp of the view that told it; 0: known from before the session
 };
 
 // What tracking is told of an object: where it stands and what is believed of that.
@@ -53,6 +54,7 @@ struct ObjectBelief {
   ClassKind kind = ClassKind::semi_static;
   double k_inlier = 0.0, k_outlier = 3.0;  // of its class, see ObjectClass
   bool gone = false;                       // it is not in the library any more
+  TimeNs seen = 0;                         // stamp of the view that told it; 0: known from before the session
 };
 
 }  // namespace povslam
