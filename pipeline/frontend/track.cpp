@@ -72,7 +72,7 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
     posed = thread_cpu_now();
     update_state(tracked);
     if (tracked) upkeep();
-    if (!tracked && map_is_worthless()) begin_again();
+    if (map_is_worthless(tracked)) begin_again();
   }
   result_.features_ns = built - start;
   result_.track_ns = posed - built;

@@ -79,7 +79,7 @@ class Tracker {
   bool can_begin_map() const;
   bool start_map();
   void restart_map();
-  bool map_is_worthless() const;
+  bool map_is_worthless(bool tracked);
   void begin_again();
   bool track_frame();
   bool track_from_last();
@@ -141,9 +141,10 @@ class Tracker {
   std::int64_t reference_id_ = -1;
   int matches_of_last_ = 0;  // points of the frame before last that the last one showed
   int good_frames_ = 0, bad_frames_ = 0;
-  bool regaining_ = false;  // a pose was held or found anew, and trust is not back yet
-  double unseen_s_ = 0.0;   // since the last tracked frame, while none is
-  int start_tries_ = 0;     // frames in which the start pose may still be tried on an earlier session's map
+  bool regaining_ = false;    // a pose was held or found anew, and trust is not back yet
+  double unseen_s_ = 0.0;     // since the last tracked frame, while none is
+  double fruitless_s_ = 0.0;  // of frames in a row that showed enough for a map and were not found in ours
+  int start_tries_ = 0;       // frames in which the start pose may still be tried on an earlier session's map
 
   SmoothProblem problem_;
   enum class ProblemState { idle, offered, out, answered } problem_state_ = ProblemState::idle;

@@ -40,6 +40,7 @@ bool Tracker::start_map() {
   if (!can_begin_map()) return false;
   frame_.T_camera_world = T_world_camera_start_.inverse();
   newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, Matrix6d::Zero(), -1);
+  places_.update(map_);
   reference_id_ = map_.keyframe(newest_keyframe_).id;
   result_.state = TrackState::ok;
   result_.keyframe = true;
@@ -69,15 +70,18 @@ void Tracker::restart_map() {
   const std::int32_t bent = newest_keyframe_;
   newest_keyframe_ = keyframer_.insert(map_, builder_, frame_, result_.covariance, -1);
   map_.remove_keyframe(bent, newest_keyframe_);
+  places_.update(map_);
   reference_id_ = map_.keyframe(newest_keyframe_).id;
   result_.keyframe = true;
 }
 
 // Of a moment's glance, lost at once and not found again: a robot that was started behind a hand, before a wall of
 // glass or in a fast turn would look for it for ever.
-bool Tracker::map_is_worthless() const {
-  return result_.state == TrackState::lost && unseen_s_ >= kGiveUpS && map_.num_keyframes() <= kFewKeyframes &&
-         restored_landmarks_.empty() && options_.map.mode != "localise" && can_begin_map();
+bool Tracker::map_is_worthless(bool tracked) {
+  const bool small = map_.num_keyframes() <= kFewKeyframes && restored_landmarks_.empty();
+  const bool fruitless = !tracked && result_.state == TrackState::lost && small && can_begin_map();
+  fruitless_s_ = fruitless ? fruitless_s_ + std::max(0.0, to_seconds(frame_.stamp - last_.stamp)) : 0.0;
+  return fruitless_s_ >= kGiveUpS && options_.map.mode != "localise";
 }
 
 // Where the pose is held, with the doubt that has grown since: all that follows is known no better than that.
@@ -95,7 +99,7 @@ void Tracker::begin_again() {
   result_.keyframe = true;
   result_.num_landmarks = map_.num_landmarks();
   bad_frames_ = good_frames_ = 0;
-  unseen_s_ = 0.0;
+  unseen_s_ = fruitless_s_ = 0.0;
   regaining_ = false;
   agreement_.forget();
   relocaliser_.start_over();

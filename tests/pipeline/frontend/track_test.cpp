@@ -212,6 +212,21 @@ TEST(Tracker, BeginsAgainInDoubtWhenItsMapWasOfOneMoment) {
   EXPECT_GT(follower.result().map_version, version);
 }
 
+TEST(Tracker, KeepsTheMapOfOneMomentThroughALongBlackout) {
+  Follower follower(1);
+  const Rigid3 place = follower.view().T_world_camera(0.0);
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(follower.stand(place).state, TrackState::ok);
+  ASSERT_LE(follower.map().num_keyframes(), 3);
+  const std::int64_t keyframes_made = follower.map().next_keyframe_id();
+  for (int i = 0; i < 150; ++i) follower.blind();
+  EXPECT_EQ(follower.result().state, TrackState::lost);
+  for (int i = 0; i < 15; ++i) follower.stand(place);
+  EXPECT_EQ(follower.result().state, TrackState::ok);
+  EXPECT_LT(follower.error_m(), 0.02);
+  EXPECT_EQ(follower.map().next_keyframe_id(), keyframes_made);
+  EXPECT_LT(std::sqrt(follower.result().covariance.topLeftCorner<3, 3>().trace()), 0.1);
+}
+
 TEST(Tracker, SaysWhenItSeesLittle) {
   // Only a corner of the image shows anything.
   Follower follower(1);
