@@ -68,7 +68,7 @@ void SensorThread::run(const std::stop_token& stop) {
       case Next::Kind::bad:
         if (counters_.dropped(DropReason::bad_frame) == 0) log::warn("{}: {}", options_.name, next.message);
         counters_.drop(DropReason::bad_frame);
-        ++bad_since_last_;
+        gaps_.bad();
         break;
       case Next::Kind::end:
         log::info("{}: the stream is over", options_.name);
@@ -90,12 +90,7 @@ bool SensorThread::accept(SensorFrame& frame) {
     counters_.drop(DropReason::unused);
     return false;
   }
-  if (last_seq_ && frame.rgbd.seq > *last_seq_ + 1) {
-    const std::uint64_t missing = frame.rgbd.seq - *last_seq_ - 1;
-    counters_.drop(DropReason::gap, static_cast<std::int64_t>(missing - std::min(missing, bad_since_last_)));
-  }
-  last_seq_ = frame.rgbd.seq;
-  bad_since_last_ = 0;
+  if (const auto missing = gaps_.missing_before(frame.rgbd.seq); missing > 0) counters_.drop(DropReason::gap, missing);
   if (!fits(frame.rgbd, setup_.sensors[0].camera)) {
     counters_.drop(DropReason::bad_frame);
     return false;
@@ -134,8 +129,7 @@ bool SensorThread::reopen(const std::stop_token& stop, const std::string& why) {
     reason = std::move(reason_now);
     wait = std::min(2 * wait, options_.longest_pause);
   }
-  last_seq_.reset();
-  bad_since_last_ = 0;
+  gaps_.reset();
   counters_.sensors_up.fetch_add(1);
   counters_.reopened.fetch_add(1);
   log::info("{}: back: {}", options_.name, setup_.description);

@@ -13,6 +13,7 @@
 #include "daemon/frame_exchange.hpp"
 #include "daemon/label_ring.hpp"
 #include "drivers/driver.hpp"
+#include "drivers/gap_counter.hpp"
 
 namespace povslam {
 
@@ -51,8 +52,7 @@ class SensorThread {
   std::function<void()> on_end_;
 
   TimeNs last_stamp_;
-  std::optional<std::uint64_t> last_seq_;  // nothing after (re)opening: the count starts anew
-  std::uint64_t bad_since_last_ = 0;       // lost frames already counted as bad: not a gap as well
+  GapCounter gaps_;
 
   std::mutex pause_mutex_;
   std::condition_variable_any pause_;

@@ -7,12 +7,23 @@
 #include "drivers/replay/file_list.hpp"
 #include "drivers/replay/sequence.hpp"
 #include "drivers/replay/text_file.hpp"
+#include "pipeline/base/log.hpp"
 
 namespace povslam {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+// Their numbers are missing from the frames' count: a gap.
+void warn_of_unpaired(const FileList& color, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
+                      double tolerance_s) {
+  if (pairs.size() == color.files.size()) return;
+  std::size_t first = 0;  // pairs are in the order of colour
+  while (first < pairs.size() && pairs[first].first == first) ++first;
+  log::warn("{}: no depth image within {} s of this one, nor of {} others; left out", color.files[first].where,
+            tolerance_s, color.files.size() - pairs.size() - 1);
+}
 
 constexpr const char* kMainCamera = "camera";
 constexpr double kLidarRate_hz = 10.0;
@@ -49,7 +60,8 @@ Result<std::vector<SequenceEntry>> read_rgbd_entries(const SequenceOptions& opti
     }
     append(faults, (*list)->faults);
   }
-  for (const auto& [i, j] : associate(color->files, depth->files, from_seconds(options.association_tolerance_s))) {
+  const auto pairs = associate(color->files, depth->files, from_seconds(options.association_tolerance_s));
+  for (const auto& [i, j] : pairs) {
     entries.push_back(rgbd_entry(folder, color->files[i], depth->files[j]));
   }
   if (entries.empty()) {
@@ -57,6 +69,7 @@ Result<std::vector<SequenceEntry>> read_rgbd_entries(const SequenceOptions& opti
         folder.string() + ": none of the " + std::to_string(color->files.size()) + " colour images (rgb" + suffix +
         ".txt) has a depth image within association_tolerance_s = " + std::to_string(options.association_tolerance_s)};
   }
+  warn_of_unpaired(*color, pairs, options.association_tolerance_s);
   return entries;
 }
 

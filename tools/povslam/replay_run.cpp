@@ -8,6 +8,7 @@
 #include "daemon/config_file_network.hpp"
 #include "daemon/stop_signal.hpp"
 #include "daemon/store.hpp"
+#include "drivers/gap_counter.hpp"
 #include "pipeline/base/log.hpp"
 #include "pipeline/pipeline.hpp"
 #include "tools/povslam/progress.hpp"
@@ -232,7 +233,10 @@ void feed(Driver& driver, SingleThread& journey, Recorder& recorder, Progress& p
   ReplayRecord& record = recorder.record();
   SensorFrame frame;
   TimeNs feeder_cpu = 0;
-  const auto drop = [&record](DropReason reason) { ++record.drops[static_cast<std::size_t>(reason)]; };
+  GapCounter gaps;
+  const auto drop = [&record](DropReason reason, std::int64_t count = 1) {
+    record.drops[static_cast<std::size_t>(reason)] += count;
+  };
   while (!stop.stopped() && journey.store_failure().empty()) {
     const TimeNs begun = thread_cpu_now();
     const Next next = driver.next(frame);
@@ -245,11 +249,13 @@ void feed(Driver& driver, SingleThread& journey, Recorder& recorder, Progress& p
     if (next.kind == Next::Kind::bad) {
       log::warn("{}", next.message);
       drop(DropReason::bad_frame);
+      gaps.bad();
     } else if (frame.kind == SensorKind::labels) {
       journey.take(frame.labels, recorder);
     } else if (frame.kind != SensorKind::rgbd || frame.sensor != 0) {
       drop(DropReason::unused);
     } else {
+      drop(DropReason::gap, gaps.missing_before(frame.rgbd.seq));
       journey.track(frame.rgbd, recorder);
       progress.step();
     }

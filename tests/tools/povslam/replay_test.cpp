@@ -106,6 +106,25 @@ TEST_F(Replay, StartsLevelAtTheOriginOrWhereItIsTold) {
   EXPECT_LT(told->front().T_world_sensor.rotation.vec().norm(), 1e-6);
 }
 
+TEST_F(Replay, CountsAFrameWithoutDepthAsMissing) {
+  const std::filesystem::path copy = folder_.path() / "copy";
+  std::filesystem::copy(kSequence, copy, std::filesystem::copy_options::recursive);
+  std::istringstream lines(content(kSequence / "depth.txt"));
+  std::ofstream rest(copy / "depth.txt");
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('#') || ++number != 3) rest << line << '\n';
+  }
+  rest.close();
+  ASSERT_EQ(run({copy.string(), "--camera", "tum1", "--out", out("a").string()}).exit_code, 0);
+  ASSERT_EQ(replay("b").exit_code, 0);
+  const auto metrics = nlohmann::json::parse(content(out("a") / "metrics.json"));
+  const auto whole = nlohmann::json::parse(content(out("b") / "metrics.json"));
+  EXPECT_EQ(metrics["frames"].get<int>() + 1, whole["frames"].get<int>());
+  EXPECT_EQ(metrics["dropped"]["gap"].get<int>(), 1);
+  EXPECT_EQ(whole["dropped"]["gap"].get<int>(), 0);
+}
+
 TEST_F(Replay, InRealTimeRunsTheDaemonsThreadsOverTheSameFrames) {
   const Outcome outcome = replay("a", {"--realtime"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
