@@ -25,6 +25,7 @@ VemExchange::VemExchange(const PinholeCamera& camera, const FrontendOptions& fro
   spare_.resize(static_cast<std::size_t>(options.frames) + 1);
   for (WindowFrame& frame : spare_) frame.seen.reserve(2 * features);
   wanted_.reserve(features);
+  elsewhere_.reserve(2 * features);
   problem_.belief = belief;
 }
 
