@@ -113,6 +113,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   }
   divide(association, extraction, reach, step);
   merge_duplicates(association, reach, step);
+  learn_depths();
   drop_unbelieved(view.stamp, step);
   refresh_waiting(view.stamp);
   desk_.decide(view.stamp, step.events);
@@ -158,7 +159,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   integrate(object.volume, view, match.owner, object.T_world_volume, integrate_options_);
   integrated_.push_back(match.owner);
   object.looks += look_weight(first.median_depth_m, integrate_options_);
-  refresh_shape(object, shape_weight(object), kAssumedDepth);
+  refresh_shape(object, shape_weight(object), deepest_m(object));
 }
 
 // Absence is believed where the camera saw through the object's place; what still stands and was only not told apart
@@ -188,7 +189,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   object->divided = observation.divided;
   integrate(object->volume, view, owner, object->T_world_volume, integrate_options_);
   object->looks = look_weight(observation.median_depth_m, integrate_options_);
-  refresh_shape(*object, shape_weight(*object), kAssumedDepth);
+  refresh_shape(*object, shape_weight(*object), deepest_m(*object));
   if (std::ssize(object->surface) < options_.extract.min_points / 2) return;
   object_of_owner_[owner] = object->id;
   objects_.push_back(std::move(object));
@@ -289,7 +290,7 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
     const bool young = b->phase == ObjectPhase::tentative && !(a->divided && b->divided);
     if (gone || (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap)) continue;
     merge_into(*a, *b);
-    refresh_shape(*a, shape_weight(*a), kAssumedDepth);
+    refresh_shape(*a, shape_weight(*a), deepest_m(*a));
     merged.push_back(b->id);
     heirs.push_back(a->id);
   }
@@ -455,7 +456,7 @@ void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow*
       object->looks = std::max(object->looks, static_cast<double>(weight) / kWeightUnits);
     }
   }
-  refresh_shape(*object, shape_weight(*object), kAssumedDepth);
+  refresh_shape(*object, shape_weight(*object), deepest_m(*object));
   for (const std::int64_t landmark : record.landmarks) owner_of_landmark_[landmark] = {record.id, -1};
   next_id_ = std::max(next_id_, record.id + 1);
   objects_.push_back(std::move(object));

@@ -3,6 +3,7 @@
 // it was seen often enough. Each change is told once.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -88,6 +89,8 @@ class ObjectLibrary {
   Standing standing(const SurfaceLook& look, const MapObject& object) const;
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
+  double deepest_m(const MapObject& object) const;  // that a thing of its class is taken to be where it was not seen
+  void learn_depths();
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
 
   ObjectOptions options_;
@@ -97,6 +100,7 @@ class ObjectLibrary {
   ObjectClass unknown_class_;
   std::vector<std::unique_ptr<MapObject>> objects_;
   std::int64_t next_id_ = 1;
+  std::map<std::uint16_t, double> deepest_m_;  // by class, of those that showed enough
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view
   std::vector<std::uint16_t> integrated_;                            // owners, of the last view

@@ -29,7 +29,7 @@ void ObjectLibrary::doubt_part(const Match& match, MapObject& object, const Extr
   if (options_.life.part_min_m <= 0.0 || object.phase != ObjectPhase::confirmed) return;
   const auto looks = look_at_each(object.surface, view, object.T_world_volume, options_.life.margin_m);
   count_missed(object, looks);
-  const auto part = find_missing_part(object, looks, options_.life.part_min_m, kAssumedDepth);
+  const auto part = find_missing_part(object, looks, options_.life.part_min_m, deepest_m(object));
   if (!part || !lies_in_the_rest(match, extraction, object, *part)) return;
   if (!object.part_belief) {
     object.part_belief = object.belief;
@@ -55,7 +55,7 @@ void ObjectLibrary::doubt_part(const Match& match, MapObject& object, const Extr
   desk_.gone(std::move(change));
   remember_place(gone);
   object.part_belief.reset();
-  refresh_shape(object, shape_weight(object), kAssumedDepth);
+  refresh_shape(object, shape_weight(object), deepest_m(object));
 }
 
 }  // namespace povslam

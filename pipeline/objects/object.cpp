@@ -46,11 +46,6 @@ void reach_ends(Box& box, const std::array<int, 6>& seen, double voxel_m) {
   }
 }
 
-double assumed_depth_m(double width_m, double height_m, double share) {
-  constexpr double kDeepest_m = 1.0;
-  return std::min(share * std::min(width_m, height_m), kDeepest_m);
-}
-
 // Grows the box along one axis away from its one seen side.
 void assume_depth(Box& box, int axis, const std::array<int, 6>& seen, double depth_m) {
   const int plus = seen[2 * axis], minus = seen[2 * axis + 1];
@@ -84,7 +79,7 @@ Box MapObject::moved(const Box& box, const Rigid3& T) {
   return {T * box.center, box.size_m, fold_half_turn(box.yaw + yaw_of(T))};
 }
 
-std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double assumed_depth) {
+std::optional<SeenBox> seen_box(std::span<const SurfacePoint> surface, double voxel_m) {
   std::vector<Eigen::Vector3f> all, sides;
   for (const SurfacePoint& point : surface) {
     all.push_back(point.p_volume);
@@ -92,20 +87,40 @@ std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double 
   }
   if (all.size() < 3) return std::nullopt;
   const double yaw = fit_box(3 * sides.size() >= all.size() ? sides : all, kBoxTrim).yaw;
-  Box box = fit_box_at(all, yaw, kBoxTrim);
-  const std::array<int, 6> seen = seen_sides(surface, yaw);
-  reach_ends(box, seen, voxel_m);
-  const Eigen::Vector3d size = box.size_m;
-  assume_depth(box, 0, seen, assumed_depth_m(size.y(), size.z(), assumed_depth));
-  assume_depth(box, 1, seen, assumed_depth_m(size.x(), size.z(), assumed_depth));
+  SeenBox seen{fit_box_at(all, yaw, kBoxTrim), seen_sides(surface, yaw)};
+  reach_ends(seen.box, seen.sides, voxel_m);
+  return seen;
+}
+
+Box with_depth(const SeenBox& seen, double deepest_m) {
+  Box box = seen.box;
+  const Eigen::Vector3d& size = seen.box.size_m;
+  assume_depth(box, 0, seen.sides, std::min({size.y(), size.z(), deepest_m}));
+  assume_depth(box, 1, seen.sides, std::min({size.x(), size.z(), deepest_m}));
   return box;
 }
 
-void refresh_shape(MapObject& object, double min_weight, double assumed_depth) {
+std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double deepest_m) {
+  const auto seen = seen_box(surface, voxel_m);
+  return seen ? std::optional(with_depth(*seen, deepest_m)) : std::nullopt;
+}
+
+std::optional<double> depth_seen(const SeenBox& seen) {
+  const auto shown = [&](int axis) {
+    const int plus = seen.sides[2 * axis], minus = seen.sides[2 * axis + 1];
+    return !hardly_seen(plus, minus) || !hardly_seen(minus, plus);
+  };
+  if (!shown(0) || !shown(1)) return std::nullopt;
+  return seen.box.size_m.head<2>().minCoeff();
+}
+
+void refresh_shape(MapObject& object, double min_weight, double deepest_m) {
   object.surface = surface_points(object.volume, min_weight);
   object.missed.assign(object.surface.size(), 0);
-  const double voxel_m = object.volume.options().voxel_size_m;
-  if (const auto box = box_of_surface(object.surface, voxel_m, assumed_depth)) object.box = *box;
+  const auto seen = seen_box(object.surface, object.volume.options().voxel_size_m);
+  if (!seen) return;
+  object.seen = *seen;
+  object.box = with_depth(*seen, deepest_m);
 }
 
 }  // namespace povslam

@@ -1,6 +1,7 @@
 // One thing of the library: where it is, what it looks like, what is believed of it.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <span>
@@ -12,6 +13,12 @@
 #include "pipeline/objects/object_event.hpp"
 
 namespace povslam {
+
+// What a surface shows of its box: the ends of the sides seen.
+struct SeenBox {
+  Box box;
+  std::array<int, 6> sides{};  // surface points that face along its +x, -x, +y, -y, +z, -z
+};
 
 struct MapObject {
   MapObject(std::int64_t its_id, const VolumeOptions& options) : id(its_id), volume(options) {}
@@ -28,7 +35,8 @@ struct MapObject {
   std::optional<Belief>
       part_belief;  // that the part seen through is still there; none: it all stands, or all is missed
   std::optional<TimeNs> part_first_absent;
-  Box box;  // of the surface, in the volume's frame
+  SeenBox seen;  // of the surface, in the volume's frame
+  Box box;       // the same with what is assumed of the sides not seen
 
   TimeNs first_seen = 0, last_seen = 0;
   std::int64_t keyframe = -1;  // of the tracker's map, that the view hung on which saw it last; -1: not in this session
@@ -48,12 +56,18 @@ double yaw_of(const Rigid3& T);  // of an upright motion
 Rigid3 upright(const Eigen::Vector3d& position, double yaw);
 
 double shape_weight(const MapObject& object);  // looks that make a point of its surface count
-inline constexpr double kAssumedDepth = 1.0;   // see refresh_shape
+inline constexpr double kDeepest_m = 1.0;  // that is assumed of anything
 
-// Surface and box anew, after the volume changed. Of what was seen from one side only the depth is assumed: as much as
-// `assumed_depth` of its smaller visible extent.
-void refresh_shape(MapObject& object, double min_weight, double assumed_depth);
 // The box of such a surface, in its frame, one point to a voxel of voxel_m; nothing of fewer than 3 points.
-std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double assumed_depth);
+std::optional<SeenBox> seen_box(std::span<const SurfacePoint> surface, double voxel_m);
+// Of what was seen from one side only the depth is assumed: as much as its smaller visible extent, at most deepest_m.
+Box with_depth(const SeenBox& seen, double deepest_m);
+std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double deepest_m);
+
+// How deep it is at least; nothing unless two of its upright sides that meet were seen.
+std::optional<double> depth_seen(const SeenBox& seen);
+
+// Surface and box anew, after the volume changed.
+void refresh_shape(MapObject& object, double min_weight, double deepest_m);
 
 }  // namespace povslam

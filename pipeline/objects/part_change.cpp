@@ -65,7 +65,7 @@ void count_missed(MapObject& object, std::span<const PointLook> looks) {
 }
 
 std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<const PointLook> looks, double min_m,
-                                             double assumed_depth) {
+                                             double deepest_m) {
   std::vector<SurfacePoint> seen_through, standing;
   for (const std::size_t i : largest_cluster(object)) seen_through.push_back(object.surface[i]);
   for (std::size_t i = 0; i < looks.size(); ++i) {
@@ -73,7 +73,7 @@ std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<
   }
   if (std::min(seen_through.size(), standing.size()) < kFewest) return std::nullopt;
   const double voxel_m = object.volume.options().voxel_size_m;
-  const auto box = box_of_surface(seen_through, voxel_m, assumed_depth);
+  const auto box = box_of_surface(seen_through, voxel_m, deepest_m);
   if (!box || !large(*box, min_m)) return std::nullopt;
   const auto among = std::ranges::count_if(
       standing, [&](const SurfacePoint& point) { return box->contains(point.p_volume.cast<double>()); });
@@ -85,8 +85,8 @@ std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<
     const bool gone = nearest_m2(point.p_volume, seen_through) < nearest_m2(point.p_volume, standing);
     (gone ? part.surface : part.rest).push_back(point);
   }
-  const auto part_box = box_of_surface(part.surface, voxel_m, assumed_depth);
-  const auto rest_box = box_of_surface(part.rest, voxel_m, assumed_depth);
+  const auto part_box = box_of_surface(part.surface, voxel_m, deepest_m);
+  const auto rest_box = box_of_surface(part.rest, voxel_m, deepest_m);
   if (!part_box || !rest_box || !large(*rest_box, min_m)) return std::nullopt;
   part.box = *part_box;
   part.rest_box = *rest_box;

@@ -21,7 +21,7 @@ void count_missed(MapObject& object, std::span<const PointLook> looks);
 // The largest connected part of the surface that several views in a row saw through, if it is at least min_m large in
 // two directions, is clear of what was seen to stand, and this view sees the rest standing; else nothing.
 std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<const PointLook> looks, double min_m,
-                                             double assumed_depth);
+                                             double deepest_m);
 
 // Takes the voxels nearer to the part than to the rest out of the object's volume. Surface and box of the object are to
 // be refreshed. Returns what was taken, in the same frame.
