@@ -44,6 +44,7 @@ Claim claim(const Observation& observation, const MapObject& object, Standing st
   if (!near(observation, object, options)) return out;
   const bool other_class = observation.class_binds && observation.class_id != object.class_id();
   if (other_class) return out;  // POCD: cost 1000, which is a veto
+  if (fenced_off(object, observation)) return out;
   out.registration = register_points(observation, object.volume, object.T_world_volume, options.inlier_m);
   const Registration& fit = out.registration;
   const double known = static_cast<double>(fit.known), inliers = static_cast<double>(fit.inliers);
@@ -63,7 +64,7 @@ bool is_side(const Claim& claim, const Observation& observation, const MapObject
              const AssociateOptions& options) {
   const Registration& fit = claim.registration;
   const bool alike = !observation.class_binds || observation.class_id == object.class_id();
-  return alike && fit.points > 0 && !observation.divided && fit.before <= options.max_outlier_share * fit.points &&
+  return alike && fit.points > 0 && observation.fences.empty() && fit.before <= options.max_outlier_share * fit.points &&
          lies_within(observation, object.box_world());
 }
 
@@ -172,20 +173,28 @@ void mark_owners(Association& association, std::span<const Observation> observat
   }
   const Rigid3& T_world_camera = view.T_world_camera;
   std::vector<Rigid3> T_volume_camera;
+  std::vector<std::vector<FencePlane>> fences;
   for (const Match& match : association.matches) {
-    T_volume_camera.push_back(objects[static_cast<std::size_t>(match.object)]->T_world_volume.inverse() *
-                              T_world_camera);
+    const MapObject& object = *objects[static_cast<std::size_t>(match.object)];
+    T_volume_camera.push_back(object.T_world_volume.inverse() * T_world_camera);
+    fences.push_back(known_fences(object));
   }
+  const auto fenced = [&](std::size_t k, const Eigen::Vector3d& p_camera) {
+    if (fences[k].empty()) return false;
+    const Eigen::Vector3d p_volume = T_volume_camera[k] * p_camera;
+    return std::ranges::any_of(fences[k], [&](const FencePlane& plane) { return plane.distance_m(p_volume) > 0.0; });
+  };
   const auto nearest = [&](const std::vector<std::size_t>& among, const Eigen::Vector3d& p_camera) {
-    std::size_t best = among[0];
+    std::uint16_t best = kNobody;
     double least = 1e9;
     for (const std::size_t k : among) {
+      if (fenced(k, p_camera)) continue;
       const MapObject& object = *objects[static_cast<std::size_t>(association.matches[k].object)];
-      const auto sample = object.volume.sample(T_volume_camera[k] * p_camera);
+      const auto sample = among.size() > 1 ? object.volume.sample(T_volume_camera[k] * p_camera) : std::nullopt;
       const double distance = sample ? std::abs(sample->distance_m) : 1e6;
-      if (distance < least) least = distance, best = k;
+      if (distance < least) least = distance, best = association.matches[k].owner;
     }
-    return association.matches[best].owner;
+    return best;
   };
   for (int y = 0; y < view.camera.height; ++y) {
     for (int x = 0; x < view.camera.width; ++x) {
@@ -195,8 +204,6 @@ void mark_owners(Association& association, std::span<const Observation> observat
       const std::vector<std::size_t>& among = matches_of[i];
       if (among.empty()) {
         owner = single[i];
-      } else if (among.size() == 1) {
-        owner = association.matches[among[0]].owner;
       } else {
         const double z = static_cast<double>(view.depth_m.at(x, y));
         owner =

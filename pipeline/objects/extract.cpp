@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <unordered_set>
 
 #include "pipeline/objects/box_fit.hpp"
 #include "pipeline/objects/components.hpp"
+#include "pipeline/objects/find_fences.hpp"
 #include "pipeline/objects/grooves.hpp"
 
 namespace povslam {
@@ -125,35 +125,9 @@ struct Extractor::Impl {
       result.observations.push_back(std::move(thing));
     }
     collect_points(view, owner);
-    mark_divided(owner);
+    if (!groove.empty()) find_fences({value, depth, finder, owner}, separable, view, result.observations);
     drop_thin(owner);
     return owner;
-  }
-
-  // Neighbours of one class in a row of cells, hardly apart, neither behind the other, are two things side by side.
-  void mark_divided(const std::vector<std::uint16_t>& owner) {
-    constexpr int kApart = 8, kRows = 5;
-    constexpr float kBehind_m = 0.15F, kBehindShare = 0.02F;  // on a row seen slantingly one is that much further
-    std::map<std::pair<std::uint16_t, std::uint16_t>, int> rows;
-    for (int y = 0; y < value.height(); ++y) {
-      for (int x = 0, last = -1; x < value.width(); ++x) {
-        const std::int32_t component = finder.component_at(x, y);
-        if (component < 0 || owner[static_cast<std::size_t>(component)] == kNobody) continue;
-        if (last >= 0 && x - last <= kApart && value.at(last, y) == value.at(x, y) &&
-            std::abs(depth.at(x, y) - depth.at(last, y)) < kBehind_m + kBehindShare * depth.at(x, y)) {
-          const std::uint16_t a = owner[static_cast<std::size_t>(finder.component_at(last, y))];
-          const std::uint16_t b = owner[static_cast<std::size_t>(component)];
-          if (a != b) ++rows[std::minmax(a, b)];
-        }
-        last = x;
-      }
-    }
-    for (const auto& [pair, count] : rows) {
-      if (count < kRows) continue;
-      for (const std::uint16_t id : {pair.first, pair.second}) {
-        result.observations[static_cast<std::size_t>(id - kFirstInstance)].divided = true;
-      }
-    }
   }
 
   void collect_points(const DepthView& view, const std::vector<std::uint16_t>& owner) {

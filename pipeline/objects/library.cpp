@@ -111,7 +111,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
     const Observation& unclaimed = extraction.observations[static_cast<std::size_t>(association.unclaimed[u])];
     if (!inside_known(unclaimed, reach, stands)) start(unclaimed, association.unclaimed_owner[u], view);
   }
-  divide(association, extraction, reach, step);
+  divide(reach, step);
   merge_duplicates(association, reach, step);
   learn_depths();
   drop_unbelieved(view.stamp, step);
@@ -152,7 +152,9 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   }
   object.part_belief.reset();
   if (std::ranges::find(doubted_, object.id) != doubted_.end()) return;
-  object.divided = object.divided || (match.observations.size() == 1 && first.divided);
+  std::vector<const Observation*> seen;
+  for (const int i : match.observations) seen.push_back(&extraction.observations[static_cast<std::size_t>(i)]);
+  note_fences(object, seen, view.stamp);
   object.last_seen = view.stamp;
   object.first_absent = object.last_absent = std::nullopt;
   ++object.observations;
@@ -186,11 +188,12 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   object->T_world_volume = upright(observation.box.center, observation.box.yaw);
   object->first_seen = object->last_seen = view.stamp;
   object->observations = 1;
-  object->divided = observation.divided;
   integrate(object->volume, view, owner, object->T_world_volume, integrate_options_);
   object->looks = look_weight(observation.median_depth_m, integrate_options_);
   refresh_shape(*object, shape_weight(*object), deepest_m(*object));
   if (std::ssize(object->surface) < options_.extract.min_points / 2) return;
+  const Observation* seen = &observation;
+  note_fences(*object, {&seen, 1}, view.stamp);
   object_of_owner_[owner] = object->id;
   objects_.push_back(std::move(object));
 }
@@ -255,27 +258,6 @@ void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
   desk_.came(std::move(change));
 }
 
-// What was taken for one thing from afar and is several gives way to them.
-void ObjectLibrary::divide(const Association& association, const Extraction& extraction,
-                           const std::vector<MapObject*>& reach, LibraryStep& step) {
-  constexpr int kViews = 3, kMost = 6;
-  std::vector<std::int64_t> divided;
-  for (const Match& match : association.matches) {
-    MapObject& object = *reach[static_cast<std::size_t>(match.object)];
-    const auto& parts = match.observations;
-    const bool several = parts.size() > 1 && std::ranges::all_of(parts, [&](int i) {
-                           return extraction.observations[static_cast<std::size_t>(i)].divided;
-                         });
-    object.seen_divided = std::clamp(object.seen_divided + (several ? 1 : -1), 0, kMost);
-    if (object.seen_divided < kViews || !several) continue;
-    divided.push_back(object.id);
-  }
-  for (const std::int64_t id : divided) {
-    desk_.withdraw(id);
-    erase(id, LandmarkOwner::kNobody, step);
-  }
-}
-
 void ObjectLibrary::merge_duplicates(const Association& association, const std::vector<MapObject*>& reach,
                                      LibraryStep& step) {
   std::vector<std::int64_t> merged, heirs;
@@ -287,8 +269,8 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
     if (!alive(a) || !alive(b)) continue;
     if (b->first_seen < a->first_seen) std::swap(a, b);
     const bool gone = std::ranges::count(merged, a->id) + std::ranges::count(merged, b->id) > 0;
-    const bool young = b->phase == ObjectPhase::tentative && !(a->divided && b->divided);
-    if (gone || (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap)) continue;
+    const bool young = b->phase == ObjectPhase::tentative;
+    if (gone || fenced_apart(*a, *b) || (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap)) continue;
     merge_into(*a, *b);
     refresh_shape(*a, shape_weight(*a), deepest_m(*a));
     merged.push_back(b->id);

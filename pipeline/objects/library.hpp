@@ -75,8 +75,8 @@ class ObjectLibrary {
   double share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const;
   void start(const Observation& observation, std::uint16_t owner, const DepthView& view);
   void confirm(MapObject& object, const EmptySpace& empty);
-  void divide(const Association& association, const Extraction& extraction, const std::vector<MapObject*>& reach,
-              LibraryStep& step);
+  void divide(const std::vector<MapObject*>& reach, LibraryStep& step);
+  std::unique_ptr<MapObject> cut_at(const FencePlane& plane, MapObject& object);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
   void drop_unbelieved(TimeNs now, LibraryStep& step);
   // heir: the object its landmarks belong to from now on, LandmarkOwner::kNobody, or kGone.

@@ -10,6 +10,7 @@
 #include "pipeline/mapping/compare.hpp"
 #include "pipeline/mapping/volume.hpp"
 #include "pipeline/objects/box_fit.hpp"
+#include "pipeline/objects/fence.hpp"
 #include "pipeline/objects/object_event.hpp"
 
 namespace povslam {
@@ -43,8 +44,7 @@ struct MapObject {
   std::optional<TimeNs> first_absent, last_absent;  // since it was last seen in its place
   int observations = 0;
   double looks = 0.0;      // sum over its views of a look's weight at its depth (kGoodSigma_m)
-  bool divided = false;    // seen beside another of its class, told apart from it
-  int seen_divided = 0;    // views that showed several things where it is, less those that showed one
+  std::vector<ObjectFence> fences;
   bool announced = false;  // an event told that it is here, or it was here first
 
   std::uint16_t class_id() const;  // the most voted, the lower id of equals

@@ -94,10 +94,16 @@ std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<
 }
 
 Volume cut_out(MapObject& object, const MissingPart& part) {
-  const double voxel_m = object.volume.options().voxel_size_m;
-  Volume taken(object.volume.options());
-  for (int i = 0; i < object.volume.num_blocks(); ++i) {
-    VoxelBlock& block = object.volume.block(i);
+  return cut_out(object.volume, [&](const Eigen::Vector3f& p_volume) {
+    return nearest_m2(p_volume, part.surface) < nearest_m2(p_volume, part.rest);
+  });
+}
+
+Volume cut_out(Volume& volume, const std::function<bool(const Eigen::Vector3f& p_volume)>& goes) {
+  const double voxel_m = volume.options().voxel_size_m;
+  Volume taken(volume.options());
+  for (int i = 0; i < volume.num_blocks(); ++i) {
+    VoxelBlock& block = volume.block(i);
     const Eigen::Vector3d corner = Eigen::Vector3d(block.key.x, block.key.y, block.key.z) * (kBlockEdge * voxel_m);
     VoxelBlock* copy = nullptr;
     for (int v = 0; v < kBlockVoxels; ++v) {
@@ -105,15 +111,14 @@ Volume cut_out(MapObject& object, const MissingPart& part) {
       if (block.weight[k] == 0) continue;
       const Eigen::Vector3d cell(v % kBlockEdge + 0.5, v / kBlockEdge % kBlockEdge + 0.5,
                                  v / (kBlockEdge * kBlockEdge) + 0.5);
-      const Eigen::Vector3f p = (corner + cell * voxel_m).cast<float>();
-      if (nearest_m2(p, part.surface) >= nearest_m2(p, part.rest)) continue;
+      if (!goes((corner + cell * voxel_m).cast<float>())) continue;
       if (copy == nullptr) copy = &taken.block(taken.allocate(block.key));
       copy->distance[k] = block.distance[k];
       copy->weight[k] = block.weight[k];
       std::copy_n(block.color.begin() + 3 * v, 3, copy->color.begin() + 3 * v);
       block.weight[k] = 0;
     }
-    if (copy != nullptr) object.volume.mark_changed(i);
+    if (copy != nullptr) volume.mark_changed(i);
   }
   return taken;
 }

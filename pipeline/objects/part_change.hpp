@@ -1,6 +1,7 @@
 // A part of an object that was taken while the rest still stands: one box of two that were seen as one.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,5 +27,8 @@ std::optional<MissingPart> find_missing_part(const MapObject& object, std::span<
 // Takes the voxels nearer to the part than to the rest out of the object's volume. Surface and box of the object are to
 // be refreshed. Returns what was taken, in the same frame.
 Volume cut_out(MapObject& object, const MissingPart& part);
+
+// Takes the voxels out for which goes() holds.
+Volume cut_out(Volume& volume, const std::function<bool(const Eigen::Vector3f& p_volume)>& goes);
 
 }  // namespace povslam
