@@ -125,7 +125,7 @@ struct Extractor::Impl {
       result.observations.push_back(std::move(thing));
     }
     collect_points(view, owner);
-    if (!groove.empty()) find_fences({value, depth, finder, owner}, separable, view, result.observations);
+    if (!groove.empty()) find_fences({value, depth, finder, components, owner}, separable, view, result.observations);
     drop_thin(owner);
     return owner;
   }

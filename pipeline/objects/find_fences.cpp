@@ -8,6 +8,7 @@ namespace {
 constexpr int kApart = 8, kRows = 5;
 constexpr float kBehind_m = 0.15F, kBehindShare = 0.02F;  // on a row seen slantingly one is that much further
 constexpr double kNearer_m = 0.02;
+constexpr double kHeight_m = 0.12, kOfLower = 0.5, kOfTaller = 0.25;  // a border is so long at least
 
 struct Border {  // of two observations
   int rows = 0;
@@ -71,8 +72,18 @@ void find_fences(const CellParts& parts, const ImageU16& separable, const DepthV
       add_row(borders[std::minmax(a, b)], parts, separable, view, before, x, y);
     }
   }
+  std::map<std::uint16_t, int> rows_of;
+  for (std::size_t i = 0; i < parts.components.size(); ++i) {
+    rows_of[parts.owner[i]] = parts.components[i].y_max - parts.components[i].y_min + 1;
+  }
+  const auto long_enough = [&](const std::pair<std::uint16_t, std::uint16_t>& pair, const Border& border) {
+    const auto [lower, taller] = std::minmax(rows_of[pair.first], rows_of[pair.second]);
+    const double height_m = 2.0 * border.depth_sum_m / view.camera.fy;  // rows of the mean depth
+    return border.rows >= kRows && height_m >= kHeight_m && border.rows >= kOfLower * lower &&
+           border.rows >= kOfTaller * taller;
+  };
   for (const auto& [pair, border] : borders) {
-    if (border.rows < kRows || !border.open()) continue;
+    if (!long_enough(pair, border) || !border.open()) continue;
     Observation& a = observations[static_cast<std::size_t>(pair.first - kFirstInstance)];
     Observation& b = observations[static_cast<std::size_t>(pair.second - kFirstInstance)];
     if (a.points_world.empty() || b.points_world.empty()) continue;
