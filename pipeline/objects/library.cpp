@@ -113,6 +113,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   }
   divide(reach, step);
   merge_duplicates(association, reach, step);
+  join_halves(association, reach, view, step);
   learn_depths();
   drop_unbelieved(view.stamp, step);
   refresh_waiting(view.stamp);
@@ -320,6 +321,7 @@ void ObjectLibrary::refresh_waiting(TimeNs now) {
 
 void ObjectLibrary::erase(std::int64_t id, std::int64_t heir, LibraryStep& step) {
   std::erase_if(objects_, [id](const auto& object) { return object->id == id; });
+  std::erase_if(halves_, [id](const auto& pair) { return pair.first.first == id || pair.first.second == id; });
   std::erase(step.changed, id);
   step.removed.push_back(id);
   for (auto it = owner_of_landmark_.begin(); it != owner_of_landmark_.end();) {

@@ -75,6 +75,10 @@ class ObjectLibrary {
   double share_that_came(const MapObject& object, const EmptySpace& empty, Evidence& evidence) const;
   void start(const Observation& observation, std::uint16_t owner, const DepthView& view);
   void confirm(MapObject& object, const EmptySpace& empty);
+  void join_halves(const Association& association, const std::vector<MapObject*>& reach, const DepthView& view,
+                   LibraryStep& step);
+  bool are_halves(const MapObject& a, const MapObject& b, const DepthView& view, int views);
+  double widest_m(const MapObject& object) const;
   void divide(const std::vector<MapObject*>& reach, LibraryStep& step);
   std::unique_ptr<MapObject> cut_at(const FencePlane& plane, MapObject& object);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
@@ -101,6 +105,7 @@ class ObjectLibrary {
   std::vector<std::unique_ptr<MapObject>> objects_;
   std::int64_t next_id_ = 1;
   std::map<std::uint16_t, double> deepest_m_;  // by class, of those that showed enough
+  std::map<std::pair<std::int64_t, std::int64_t>, int> halves_;  // by ids: views that hid what is between them
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view
   std::vector<std::uint16_t> integrated_;                            // owners, of the last view

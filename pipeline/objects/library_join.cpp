@@ -1,0 +1,74 @@
+// Two objects that are one thing, of which something nearer hides the middle in each view.
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/objects/halves.hpp"
+#include "pipeline/objects/library.hpp"
+#include "pipeline/objects/merge.hpp"
+
+namespace povslam {
+namespace {
+
+constexpr std::size_t kEnough = 10;
+constexpr double kMost = 0.9;
+
+}  // namespace
+
+// How wide things of its class are wont to be, where enough of them are known; else nothing is.
+double ObjectLibrary::widest_m(const MapObject& object) const {
+  std::vector<double> widths;
+  for (const auto& other : objects_) {
+    if (other->phase != ObjectPhase::confirmed || other->class_id() != object.class_id()) continue;
+    widths.push_back(other->seen.box.size_m.head<2>().maxCoeff());
+  }
+  if (widths.size() < kEnough) return 0.0;
+  const auto most = widths.begin() + std::lround(kMost * static_cast<double>(widths.size() - 1));
+  std::ranges::nth_element(widths, most);
+  return *most;
+}
+
+void ObjectLibrary::join_halves(const Association& association, const std::vector<MapObject*>& reach,
+                                const DepthView& view, LibraryStep& step) {
+  constexpr int kViews = 3;
+  std::vector<MapObject*> seen;  // that are still there: some were merged in this view
+  for (const Match& match : association.matches) {
+    MapObject* object = reach[static_cast<std::size_t>(match.object)];
+    const bool kept = std::ranges::any_of(objects_, [object](const auto& known) { return known.get() == object; });
+    if (kept && !class_of(*object).one_piece && !object->first_absent) seen.push_back(object);
+  }
+  std::vector<std::pair<std::int64_t, std::int64_t>> joined;  // from, into
+  const auto is_joined = [&](const MapObject* object) {
+    return std::ranges::any_of(joined, [object](const auto& pair) { return pair.first == object->id; });
+  };
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    for (std::size_t j = i + 1; j < seen.size(); ++j) {
+      MapObject *into = seen[i], *from = seen[j];
+      if (is_joined(into) || is_joined(from) || !are_halves(*into, *from, view, kViews)) continue;
+      if (into->phase == ObjectPhase::tentative || (from->phase == into->phase && from->id < into->id)) {
+        std::swap(into, from);
+      }
+      merge_into(*into, *from);
+      refresh_shape(*into, shape_weight(*into), deepest_m(*into));
+      joined.emplace_back(from->id, into->id);
+    }
+  }
+  for (const auto& [from, into] : joined) {
+    desk_.withdraw(from);
+    erase(from, into, step);
+  }
+}
+
+bool ObjectLibrary::are_halves(const MapObject& a, const MapObject& b, const DepthView& view, int views) {
+  constexpr double kNear_m = 1.0;
+  const bool tentative = a.phase == ObjectPhase::tentative && b.phase == ObjectPhase::tentative;
+  if (tentative || a.class_id() != b.class_id() || fenced_apart(a, b)) return false;
+  if ((a.box_world().center - b.box_world().center).norm() > kNear_m) return false;
+  if (!may_be_halves(a, b, widest_m(a))) return false;
+  int& hidden = halves_[std::minmax(a.id, b.id)];
+  const Between between = look_between(a, b, view);
+  if (between == Between::hidden) ++hidden;
+  if (between == Between::open) hidden = -views;
+  return hidden >= views;
+}
+
+}  // namespace povslam
