@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -25,12 +26,23 @@ std::array<std::uint8_t, 3> color_of(std::uint16_t id) {
   return {channel(5.0), channel(3.0), channel(1.0)};
 }
 
-// Things made of parts that stand apart from each other.
+// Things made of parts that stand apart from each other: a word of the name ends so (handcart, pallets, not carton).
 bool assembled(const std::string& name) {
-  constexpr std::array<std::string_view, 13> kWords = {"pallet", "forklift", "truck", "cart",  "trolley",
-                                                       "ladder", "chair",    "table", "bench", "bicycle",
-                                                       "person", "machine",  "robot"};
-  return std::ranges::any_of(kWords, [&](std::string_view word) { return name.find(word) != std::string::npos; });
+  constexpr std::array<std::string_view, 13> kEndings = {"pallet", "forklift", "truck", "cart",  "trolley",
+                                                         "ladder", "chair",    "table", "bench", "bicycle",
+                                                         "person", "machine",  "robot"};
+  constexpr std::array<std::string_view, 3> kPlurals = {"", "s", "es"};
+  const auto word_ends = [&](std::size_t at) { return at == name.size() || std::isalpha(static_cast<unsigned char>(name[at])) == 0; };
+  const auto ends_a_word = [&](std::string_view ending) {
+    for (std::size_t at = name.find(ending); at != std::string::npos; at = name.find(ending, at + 1)) {
+      for (const std::string_view plural : kPlurals) {
+        const std::size_t end = at + ending.size();
+        if (name.compare(end, plural.size(), plural) == 0 && word_ends(end + plural.size())) return true;
+      }
+    }
+    return false;
+  };
+  return std::ranges::any_of(kEndings, ends_a_word);
 }
 
 }  // namespace

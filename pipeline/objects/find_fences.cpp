@@ -59,6 +59,11 @@ void find_fences(const CellParts& parts, const ImageU16& separable, const DepthV
     const std::int32_t component = parts.finder.component_at(x, y);
     return component < 0 ? kNobody : parts.owner[static_cast<std::size_t>(component)];
   };
+  const auto stand_side_by_side = [&](int x, int y) {  // one of the cell's pixels is of its class
+    const std::uint16_t value = parts.value.at(x, y);
+    return separable.at(2 * x, 2 * y) == value || separable.at(2 * x + 1, 2 * y) == value ||
+           separable.at(2 * x, 2 * y + 1) == value || separable.at(2 * x + 1, 2 * y + 1) == value;
+  };
   for (int y = 0; y < parts.value.height(); ++y) {
     for (int x = 0, last = -1; x < parts.value.width(); ++x) {
       const std::uint16_t b = owner_at(x, y);
@@ -67,7 +72,7 @@ void find_fences(const CellParts& parts, const ImageU16& separable, const DepthV
       const int before = std::exchange(last, x);
       if (a == kNobody || a == b || x - before > kApart) continue;
       const float z = parts.depth.at(x, y);
-      const bool alike = parts.value.at(before, y) == parts.value.at(x, y) && separable.at(2 * x, 2 * y) != 0;
+      const bool alike = parts.value.at(before, y) == parts.value.at(x, y) && stand_side_by_side(x, y);
       if (!alike || std::abs(z - parts.depth.at(before, y)) >= kBehind_m + kBehindShare * z) continue;
       add_row(borders[std::minmax(a, b)], parts, separable, view, before, x, y);
     }

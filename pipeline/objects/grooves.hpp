@@ -17,19 +17,24 @@ class GrooveFinder {
   void find(const ImageU16& value, const DepthView& view, ImageU8& groove);
 
  private:
-  struct Sum {
-    float inverse_depth = 0.0F;  // 1/m
-    float count = 0.0F;
-  };
-  void sum_columns(const ImageU16& value, const ImageF& depth_m);
-  Sum mean(int x, int y, int from, int to) const;  // of columns x + from … x + to, rows about y
+  struct Row {              // at a pixel, of its row alone, or summed over rows
+    double behind = 0.0;    // 1/m: how far the middle lies behind both sides
+    double variance = 0.0;  // of that, in units of one pixel's
+    double inverse_depth = 0.0;
+    double rows = 0.0;
 
+    void add(const Row& other, double sign);
+  };
+  void measure_row(const ImageU16& value, const ImageF& depth_m, int y, std::vector<Row>& out);
+  bool is_groove(const Row& sum) const;
   void close_rows(const ImageU16& value, int x, ImageU8& groove) const;
 
   double sigma_;  // of inverse depth [1/m], one pixel
   int width_ = 0, height_ = 0;
-  std::vector<double> depth_sum_;  // summed-area tables, one row and column larger
+  std::vector<double> depth_sum_;  // of inverse depth, along a row
   std::vector<std::int32_t> count_;
+  std::vector<std::vector<Row>> rows_;  // the latest, a ring
+  std::vector<Row> sums_;               // over those, by column
 };
 
 }  // namespace povslam

@@ -7,7 +7,8 @@
 namespace povslam {
 namespace {
 
-constexpr double kLevel_m = 0.075, kOnePlane_m = 0.08, kOverlap_m = 0.05, kApart_m = 0.4, kSameWay = 0.8;
+constexpr double kLevel_m = 0.075, kOnePlane_m = 0.10, kOverlap_m = 0.05, kApart_m = 0.4, kWider_m = 0.08;
+constexpr double kFaces = 0.8, kSameWay = 0.6;  // cosines
 
 // The upright side of an object that most of its surface shows.
 struct Front {
@@ -25,7 +26,7 @@ Front front_of(const MapObject& object) {
   const Eigen::Vector3d normal = sum.normalized();
   int points = 0;
   for (const SurfacePoint& point : object.surface) {
-    if (point.normal.cast<double>().dot(normal) < kSameWay) continue;
+    if (point.normal.cast<double>().dot(normal) < kFaces) continue;
     front.center += point.p_volume.cast<double>();
     ++points;
   }
@@ -82,7 +83,7 @@ bool may_be_halves(const MapObject& a, const MapObject& b, double widest_m) {
       std::abs(pair.up_a.low - pair.up_b.low) < kLevel_m && std::abs(pair.up_a.high - pair.up_b.high) < kLevel_m;
   const double width_m = std::max(pair.along_a.high, pair.along_b.high) - std::min(pair.along_a.low, pair.along_b.low);
   const double apart_m = std::max(pair.along_a.low, pair.along_b.low) - std::min(pair.along_a.high, pair.along_b.high);
-  return level && width_m <= widest_m && apart_m < kApart_m && apart_m > -kOverlap_m;
+  return level && width_m <= widest_m + kWider_m && apart_m < kApart_m && apart_m > -kOverlap_m;
 }
 
 Between look_between(const MapObject& a, const MapObject& b, const DepthView& view) {

@@ -47,7 +47,9 @@ void ObjectLibrary::join_halves(const Association& association, const std::vecto
       if (into->phase == ObjectPhase::tentative || (from->phase == into->phase && from->id < into->id)) {
         std::swap(into, from);
       }
+      const double least_looks = std::min(into->looks, from->looks);
       merge_into(*into, *from);
+      into->looks = least_looks;  // at any of its surface: each half had its own
       refresh_shape(*into, shape_weight(*into), deepest_m(*into));
       joined.emplace_back(from->id, into->id);
     }

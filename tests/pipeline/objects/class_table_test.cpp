@@ -35,5 +35,14 @@ TEST(ClassTable, OfGeometricSegmentationKnowsStructureAndObjects) {
   EXPECT_EQ(table.find(3), nullptr);
 }
 
+TEST(ClassTable, ThingsMadeOfPartsAreKnownByTheEndOfAWord) {
+  for (const char* name : {"pallet", "wooden_pallets", "handcart", "cart", "park benches", "pallet truck"}) {
+    EXPECT_TRUE(make_class(1, name, ClassKind::semi_static).one_piece) << name;
+  }
+  for (const char* name : {"carton", "cartons", "box", "tablet", "goods"}) {
+    EXPECT_FALSE(make_class(1, name, ClassKind::semi_static).one_piece) << name;
+  }
+}
+
 }  // namespace
 }  // namespace povslam

@@ -31,5 +31,34 @@ TEST(Extract, OneThingIsOne) {
   }
 }
 
+std::vector<Observation> seen(SmallWorld& world, const Rigid3& T_world_camera) {
+  DepthView view;
+  ImageU8 labels;
+  world.look(T_world_camera, 0, view, labels);
+  Extractor extractor(ExtractOptions{}, 0.0025);
+  return extractor.from_classes(labels, SmallWorld::classes(), view).observations;
+}
+
+TEST(Extract, TellsWhereThingsSideBySideEnd) {
+  SmallWorld world;
+  world.things = {{{{2.5, 0.38, 0.5}, {0.5, 0.7, 1.0}, 0.0}}, {{{2.5, -0.38, 0.5}, {0.5, 0.7, 1.0}, 0.0}}};
+  const auto things = seen(world, SmallWorld::looking({0.3, -0.6}, {2.4, 0.0}));
+  ASSERT_EQ(things.size(), 2U);
+  for (const Observation& thing : things) {
+    ASSERT_EQ(thing.fences.size(), 1U);
+    EXPECT_NEAR(thing.fences[0].at.y(), 0.0, 0.06);
+    EXPECT_GT(thing.fences[0].outward.y() * (thing.box.center.y() > 0.0 ? -1.0 : 1.0), 0.7) << "towards the other";
+  }
+}
+
+TEST(Extract, APostDoesNotTellTwoThingsApart) {
+  SmallWorld world;
+  world.things = {{{{2.5, 0.0, 0.5}, {0.5, 0.9, 1.0}, 0.0}},
+                  {{{2.0, 0.0, 1.0}, {0.05, 0.08, 2.0}, 0.0}, SmallWorld::kWall}};
+  const auto things = seen(world, SmallWorld::looking({0.0, 0.0}, {2.5, 0.0}));
+  ASSERT_EQ(things.size(), 2U) << "left and right of the post";
+  for (const Observation& thing : things) EXPECT_TRUE(thing.fences.empty());
+}
+
 }  // namespace
 }  // namespace povslam

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pipeline/base/time.hpp"
 #include "tests/support/small_world.hpp"
 
@@ -73,7 +75,7 @@ TEST_F(LibraryStory, AThingFiveMetresAwayIsAnObject) {
 
 TEST_F(LibraryStory, ASliverIsAnObjectOnlyWhenLookedAtWell) {
   world.noise = 0.2;
-  world.things = {{{{5.0, 0.0, 0.6}, {0.15, 0.18, 1.2}, 0.0}}};
+  world.things = {{{{5.0, 0.0, 0.6}, {0.12, 0.13, 1.2}, 0.0}}};
   for (int i = 0; i < 4; ++i) look(SmallWorld::looking({0.0, 0.05 * i}, {5.0, 0.0}));
   ASSERT_FALSE(library.objects().empty()) << "it was seen";
   EXPECT_TRUE(confirmed().empty());
@@ -153,6 +155,95 @@ TEST_F(LibraryStory, ThingsSideBySideAreTwo) {
   world.things = {{left}, {right}};  // 8 cm apart
   for (int i = 0; i < 12; ++i) look(SmallWorld::looking({0.2, -1.6 + 0.05 * i}, {2.6, 0.6}));
   ASSERT_EQ(confirmed().size(), 2U);
+}
+
+TEST_F(LibraryStory, WhatWasToldApartStaysApartWhenAViewTakesBothForOne) {
+  const Box left{{2.5, 0.34, 0.35}, {0.5, 0.6, 0.7}, 0.0}, right{{2.5, -0.34, 0.35}, {0.5, 0.6, 0.7}, 0.0};
+  world.things = {{left}, {right}};
+  const auto drive_by = [&](int views) {
+    for (int i = 0; i < views; ++i) look(SmallWorld::looking({0.2, -1.6 + 0.05 * i}, {2.6, 0.6}));
+  };
+  drive_by(12);
+  ASSERT_EQ(confirmed().size(), 2U);
+  world.things = {{{{2.5, 0.0, 0.35}, {0.5, 1.28, 0.7}, 0.0}}};  // the gap is not seen for a while
+  drive_by(3);
+  ASSERT_EQ(confirmed().size(), 2U);
+  for (const MapObject* object : confirmed()) {
+    const Box box = object->box_world();
+    const double end = std::abs(box.center.y()) - 0.5 * std::abs(std::cos(box.yaw) * box.size_m.y()) -
+                       0.5 * std::abs(std::sin(box.yaw) * box.size_m.x());
+    EXPECT_GT(end, -0.03) << "reaches into the other's place";
+  }
+}
+
+TEST_F(LibraryStory, WhatWasTakenForOneIsDividedWhereViewsTellItApart) {
+  world.things = {{{{2.5, 0.0, 0.35}, {0.5, 1.28, 0.7}, 0.0}}};
+  const auto drive_by = [&] {
+    for (int i = 0; i < 12; ++i) look(SmallWorld::looking({0.2, -1.6 + 0.05 * i}, {2.6, 0.6}));
+  };
+  drive_by();
+  ASSERT_EQ(confirmed().size(), 1U);
+  const Box left{{2.5, 0.34, 0.35}, {0.5, 0.6, 0.7}, 0.0}, right{{2.5, -0.34, 0.35}, {0.5, 0.6, 0.7}, 0.0};
+  world.things = {{left}, {right}};
+  drive_by();
+  finish();
+  ASSERT_EQ(confirmed().size(), 2U);
+  for (const Box& box : {left, right}) {
+    const auto objects = confirmed();
+    EXPECT_TRUE(std::ranges::any_of(
+        objects, [&](const MapObject* object) { return overlap(object->box_world(), box).iou > 0.5; }));
+  }
+  EXPECT_TRUE(events.empty()) << "nothing changed";
+}
+
+// Ten like it are known, so that its width is; of it only what is left and right of a post is ever seen.
+TEST_F(LibraryStory, AThingBehindAPostIsOne) {
+  for (int i = 0; i < 10; ++i) {
+    const double angle = 0.5 + 0.5 * i;
+    world.things.push_back({{{2.2 * std::cos(angle), 2.2 * std::sin(angle), 0.35}, {0.6, 0.6, 0.7}, angle}});
+  }
+  for (int i = 0; i < 40; ++i) {
+    const double angle = 0.5 + 0.125 * i;
+    look(SmallWorld::looking({0.0, 0.0}, {std::cos(angle), std::sin(angle)}));
+  }
+  ASSERT_EQ(confirmed().size(), 10U);
+  const Box behind{{2.5, 0.0, 0.35}, {0.6, 0.6, 0.7}, 0.0};
+  world.things.push_back({behind});
+  world.things.push_back({{{2.0, 0.0, 1.0}, {0.05, 0.12, 2.0}, 0.0}, SmallWorld::kWall});
+  for (int i = 0; i < 10; ++i) look(SmallWorld::looking({0.0, 0.01 * i - 0.05}, {2.5, 0.0}));
+  const auto objects = confirmed();
+  EXPECT_EQ(objects.size(), 11U);
+  EXPECT_TRUE(std::ranges::any_of(
+      objects, [&](const MapObject* object) { return overlap(object->box_world(), behind).iou > 0.5; }));
+}
+
+TEST_F(LibraryStory, TwoThingsWithAPostBeforeTheirGapAreTwo) {
+  for (int i = 0; i < 10; ++i) {
+    const double angle = 0.5 + 0.5 * i;
+    world.things.push_back({{{2.2 * std::cos(angle), 2.2 * std::sin(angle), 0.35}, {0.6, 0.6, 0.7}, angle}});
+  }
+  for (int i = 0; i < 40; ++i) {
+    const double angle = 0.5 + 0.125 * i;
+    look(SmallWorld::looking({0.0, 0.0}, {std::cos(angle), std::sin(angle)}));
+  }
+  world.things.push_back({{{2.5, 0.34, 0.35}, {0.6, 0.6, 0.7}, 0.0}});
+  world.things.push_back({{{2.5, -0.34, 0.35}, {0.6, 0.6, 0.7}, 0.0}});
+  world.things.push_back({{{2.0, 0.0, 1.0}, {0.05, 0.12, 2.0}, 0.0}, SmallWorld::kWall});
+  for (int i = 0; i < 10; ++i) look(SmallWorld::looking({0.0, 0.01 * i - 0.05}, {2.5, 0.0}));
+  EXPECT_EQ(confirmed().size(), 12U) << "together they are wider than any like them";
+}
+
+TEST_F(LibraryStory, DepthIsAssumedAsThingsOfTheClassShowIt) {
+  for (int i = 0; i < 6; ++i) world.things.push_back({{{2.5, 1.2 * i, 0.4}, {0.3, 0.7, 0.8}, 0.0}});
+  for (int i = 0; i < 40; ++i) look(SmallWorld::looking({0.0, -2.5 + 0.2 * i}, {2.5, -0.6 + 0.2 * i}));
+  ASSERT_EQ(confirmed().size(), 6U);
+  world.things.push_back({{{2.5, -4.0, 0.4}, {0.3, 0.7, 0.8}, 0.0}});
+  for (int i = 0; i < 6; ++i) look(SmallWorld::looking({0.0, -4.05 + 0.02 * i}, {2.5, -4.0}));
+  const auto objects = confirmed();
+  const auto frontal = std::ranges::find_if(
+      objects, [](const MapObject* object) { return std::abs(object->box_world().center.y() + 4.0) < 0.3; });
+  ASSERT_NE(frontal, objects.end());
+  EXPECT_LT((*frontal)->box.size_m.head<2>().minCoeff(), 0.45) << "not as deep as it is wide";
 }
 
 TEST_F(LibraryStory, AnotherSideOfAThingIsLearnedThoughItLiesBehindTheKnownOne) {
