@@ -64,8 +64,8 @@ bool is_side(const Claim& claim, const Observation& observation, const MapObject
              const AssociateOptions& options) {
   const Registration& fit = claim.registration;
   const bool alike = !observation.class_binds || observation.class_id == object.class_id();
-  return alike && fit.points > 0 && observation.fences.empty() && fit.before <= options.max_outlier_share * fit.points &&
-         lies_within(observation, object.box_world());
+  return alike && fit.points > 0 && observation.fences.empty() &&
+         fit.before <= options.max_outlier_share * fit.points && lies_within(observation, object.box_world());
 }
 
 void claim_sides(const std::vector<Claim>& claims, std::span<const Observation> observations,

@@ -32,7 +32,9 @@ bool assembled(const std::string& name) {
                                                          "ladder", "chair",    "table", "bench", "bicycle",
                                                          "person", "machine",  "robot"};
   constexpr std::array<std::string_view, 3> kPlurals = {"", "s", "es"};
-  const auto word_ends = [&](std::size_t at) { return at == name.size() || std::isalpha(static_cast<unsigned char>(name[at])) == 0; };
+  const auto word_ends = [&](std::size_t at) {
+    return at == name.size() || std::isalpha(static_cast<unsigned char>(name[at])) == 0;
+  };
   const auto ends_a_word = [&](std::string_view ending) {
     for (std::size_t at = name.find(ending); at != std::string::npos; at = name.find(ending, at + 1)) {
       for (const std::string_view plural : kPlurals) {

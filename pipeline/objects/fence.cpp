@@ -21,8 +21,8 @@ bool same(const MapObject& object, const ObjectFence& a, const ObjectFence& b) {
 }
 
 void vote(MapObject& object, const ObjectFence& seen) {
-  const auto known = std::ranges::find_if(object.fences,
-                                          [&](const ObjectFence& fence) { return same(object, fence, seen); });
+  const auto known =
+      std::ranges::find_if(object.fences, [&](const ObjectFence& fence) { return same(object, fence, seen); });
   if (known == object.fences.end()) {
     object.fences.push_back(seen);
     return;
@@ -46,8 +46,7 @@ bool spans(const MapObject& object, const ObjectFence& fence, const Observation&
     within += d < -kClear_m ? 1 : 0;
     beyond += d > kClear_m ? 1 : 0;
   }
-  return static_cast<double>(std::min(within, beyond)) >
-         kShare * static_cast<double>(observation.points_world.size());
+  return static_cast<double>(std::min(within, beyond)) > kShare * static_cast<double>(observation.points_world.size());
 }
 
 }  // namespace
@@ -100,9 +99,8 @@ bool fenced_off(const MapObject& object, const Observation& observation) {
 bool fenced_apart(const MapObject& a, const MapObject& b) {
   const auto beyond = [](const MapObject& from, const MapObject& to) {
     const Eigen::Vector2d center = (from.T_world_volume.inverse() * to.box_world().center).head<2>();
-    return std::ranges::any_of(from.fences, [&](const ObjectFence& fence) {
-      return facing(from, fence).dot(center - fence.fence.at) > 0.0;
-    });
+    return std::ranges::any_of(
+        from.fences, [&](const ObjectFence& fence) { return facing(from, fence).dot(center - fence.fence.at) > 0.0; });
   };
   return beyond(a, b) || beyond(b, a);
 }

@@ -18,9 +18,7 @@ struct Border {  // of two observations
   int others = 0;
 
   // Nothing of another class is between them, or it is seen behind them.
-  bool open() const {
-    return others == 0 || other_sum_m / others > depth_sum_m / rows - kNearer_m;
-  }
+  bool open() const { return others == 0 || other_sum_m / others > depth_sum_m / rows - kNearer_m; }
 };
 
 Eigen::Vector2d ground_point(const DepthView& view, int cell_x, int cell_y, float depth_m) {

@@ -8,17 +8,17 @@
 
 namespace povslam {
 
-struct CellParts {           // of a view, in cells of 2 x 2 pixels
-  const ImageU16& value;     // class; 0: none
-  const ImageF& depth;       // m
+struct CellParts {        // of a view, in cells of 2 x 2 pixels
+  const ImageU16& value;  // class; 0: none
+  const ImageF& depth;    // m
   const ComponentFinder& finder;
   std::span<const Component> components;
   std::span<const std::uint16_t> owner;  // by component; kNobody: of no observation
 };
 
 // Neighbours of one class in a row of cells, hardly apart, neither behind the other, with no nearer thing before what
-// is between them (it may hide that they are one), and along much of their height, get a fence each. separable: pixels of classes whose things stand
-// side by side, by class. observations: with their points, owners kFirstInstance + index.
+// is between them (it may hide that they are one), and along much of their height, get a fence each. separable: pixels
+// of classes whose things stand side by side, by class. observations: with their points, owners kFirstInstance + index.
 void find_fences(const CellParts& parts, const ImageU16& separable, const DepthView& view,
                  std::span<Observation> observations);
 

@@ -9,7 +9,7 @@ constexpr int kRows = 12;                       // above and below, that are ave
 constexpr int kInner = 1, kNear = 3, kFar = 7;  // columns: the groove's, and from … to of either side
 constexpr double kSigmas = 3.0;
 constexpr double kShallowest_m = 0.005;
-constexpr double kFilled = 0.6;   // of each window
+constexpr double kFilled = 0.6;  // of each window
 constexpr int kEnd = 6;          // rows without evidence that a groove may pass…
 constexpr int kLong = 8;         // …and, one at least so long, go on beyond its ends
 

@@ -91,11 +91,13 @@ Between look_between(const MapObject& a, const MapObject& b, const DepthView& vi
   constexpr int kReach_px = 3;
   constexpr double kNearer_m = 0.03, kBeyond_m = 0.10;
   const Pair pair = side_by_side(a, b);
-  const double middle = 0.5 * (std::max(pair.along_a.low, pair.along_b.low) + std::min(pair.along_a.high, pair.along_b.high));
+  const double middle =
+      0.5 * (std::max(pair.along_a.low, pair.along_b.low) + std::min(pair.along_a.high, pair.along_b.high));
   int nearer = 0, beyond = 0;
   for (const double height : kHeights) {
-    const Eigen::Vector3d p_world = middle * pair.along + pair.plane_m * pair.normal +
-                                    (pair.up_a.low + height * (pair.up_a.high - pair.up_a.low)) * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d p_world =
+        middle * pair.along + pair.plane_m * pair.normal +
+        (pair.up_a.low + height * (pair.up_a.high - pair.up_a.low)) * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d p = view.T_world_camera.inverse() * p_world;
     if (p.z() < view.min_depth_m) continue;
     const int x = static_cast<int>(std::lround(view.camera.fx * p.x() / p.z() + view.camera.cx));

@@ -82,6 +82,7 @@ class ObjectLibrary {
   void divide(const std::vector<MapObject*>& reach, LibraryStep& step);
   std::unique_ptr<MapObject> cut_at(const FencePlane& plane, MapObject& object);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
+  const MapObject* same_thing_better_known(const MapObject& object) const;
   void drop_unbelieved(TimeNs now, LibraryStep& step);
   // heir: the object its landmarks belong to from now on, LandmarkOwner::kNobody, or kGone.
   void erase(std::int64_t id, std::int64_t heir, LibraryStep& step);
@@ -104,7 +105,7 @@ class ObjectLibrary {
   ObjectClass unknown_class_;
   std::vector<std::unique_ptr<MapObject>> objects_;
   std::int64_t next_id_ = 1;
-  std::map<std::uint16_t, double> deepest_m_;  // by class, of those that showed enough
+  std::map<std::uint16_t, double> deepest_m_;                    // by class, of those that showed enough
   std::map<std::pair<std::int64_t, std::int64_t>, int> halves_;  // by ids: views that hid what is between them
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view

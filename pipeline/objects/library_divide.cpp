@@ -27,9 +27,8 @@ bool reaches_beyond(const MapObject& object, const FencePlane& plane) {
 // Leaves in the object what is on its centre's side; returns the rest.
 std::unique_ptr<MapObject> ObjectLibrary::cut_at(const FencePlane& plane, MapObject& object) {
   auto part = std::make_unique<MapObject>(next_id_, object.volume.options());
-  part->volume = cut_out(object.volume, [&](const Eigen::Vector3f& p_volume) {
-    return plane.distance_m(p_volume.cast<double>()) > 0.0;
-  });
+  part->volume = cut_out(
+      object.volume, [&](const Eigen::Vector3f& p_volume) { return plane.distance_m(p_volume.cast<double>()) > 0.0; });
   part->phase = object.phase;
   part->class_votes = object.class_votes;
   part->belief = object.belief;

@@ -1,4 +1,4 @@
-// Two objects that are one thing, of which something nearer hides the middle in each view.
+// Two objects that are one thing: one observation showed both, or something nearer hides the middle in each view.
 #include <algorithm>
 #include <cmath>
 
@@ -25,6 +25,32 @@ double ObjectLibrary::widest_m(const MapObject& object) const {
   const auto most = widths.begin() + std::lround(kMost * static_cast<double>(widths.size() - 1));
   std::ranges::nth_element(widths, most);
   return *most;
+}
+
+void ObjectLibrary::merge_duplicates(const Association& association, const std::vector<MapObject*>& reach,
+                                     LibraryStep& step) {
+  std::vector<std::int64_t> merged, heirs;
+  const auto alive = [this](const MapObject* object) {
+    return std::ranges::any_of(objects_, [object](const auto& kept) { return kept.get() == object; });
+  };
+  for (const auto& [i, j] : association.one_seen_as) {
+    MapObject *a = reach[static_cast<std::size_t>(i)], *b = reach[static_cast<std::size_t>(j)];
+    if (!alive(a) || !alive(b)) continue;
+    if (b->first_seen < a->first_seen) std::swap(a, b);
+    const bool gone = std::ranges::count(merged, a->id) + std::ranges::count(merged, b->id) > 0;
+    const bool young = b->phase == ObjectPhase::tentative;
+    if (gone || fenced_apart(*a, *b) ||
+        (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap))
+      continue;
+    merge_into(*a, *b);
+    refresh_shape(*a, shape_weight(*a), deepest_m(*a));
+    merged.push_back(b->id);
+    heirs.push_back(a->id);
+  }
+  for (std::size_t i = 0; i < merged.size(); ++i) {
+    desk_.withdraw(merged[i]);
+    erase(merged[i], heirs[i], step);
+  }
 }
 
 void ObjectLibrary::join_halves(const Association& association, const std::vector<MapObject*>& reach,

@@ -65,7 +65,8 @@ Rigid3 upright(const Eigen::Vector3d& position, double yaw) {
 }
 
 double shape_weight(const MapObject& object) {
-  constexpr double kLooks = 0.25, kShare = 0.15;  // of all, of a thing hardly seen: another may hide a part of it in most
+  constexpr double kLooks = 0.25,
+                   kShare = 0.15;  // of all, of a thing hardly seen: another may hide a part of it in most
   return std::min(kLooks, kShare * object.looks);
 }
 

@@ -43,7 +43,7 @@ struct MapObject {
   std::int64_t keyframe = -1;  // of the tracker's map, that the view hung on which saw it last; -1: not in this session
   std::optional<TimeNs> first_absent, last_absent;  // since it was last seen in its place
   int observations = 0;
-  double looks = 0.0;      // sum over its views of a look's weight at its depth (kGoodSigma_m)
+  double looks = 0.0;  // sum over its views of a look's weight at its depth (kGoodSigma_m)
   std::vector<ObjectFence> fences;
   bool announced = false;  // an event told that it is here, or it was here first
 
@@ -56,7 +56,7 @@ double yaw_of(const Rigid3& T);  // of an upright motion
 Rigid3 upright(const Eigen::Vector3d& position, double yaw);
 
 double shape_weight(const MapObject& object);  // looks that make a point of its surface count
-inline constexpr double kDeepest_m = 1.0;  // that is assumed of anything
+inline constexpr double kDeepest_m = 1.0;      // that is assumed of anything
 
 // The box of such a surface, in its frame, one point to a voxel of voxel_m; nothing of fewer than 3 points.
 std::optional<SeenBox> seen_box(std::span<const SurfacePoint> surface, double voxel_m);

@@ -19,17 +19,17 @@ struct Box {                                         // upright
   }
 };
 
-struct Fence {  // upright plane
+struct Fence {                  // upright plane
   Eigen::Vector2d at, outward;  // horizontal, world: a point of it, and towards the other thing (unit)
 };
 
 struct Observation {
   std::uint16_t owner = kNobody;  // of its pixels in the view
   std::uint16_t class_id = 0;
-  int votes = 1;            // for the class of the object it is of; 0: nobody asked
-  bool class_binds = true;  // false: the class is a name given to a segment; a thing may have another in each view
-  int pixels = 0;           // of the full image
-  bool partial = false;     // reaches the image's border or its range: its extent is not known
+  int votes = 1;              // for the class of the object it is of; 0: nobody asked
+  bool class_binds = true;    // false: the class is a name given to a segment; a thing may have another in each view
+  int pixels = 0;             // of the full image
+  bool partial = false;       // reaches the image's border or its range: its extent is not known
   std::vector<Fence> fences;  // where a groove or gap separates it from another of its class
   double median_depth_m = 0.0;
   std::vector<Eigen::Vector3f> points_world;  // thinned to the spacing
