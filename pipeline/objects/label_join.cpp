@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 
 #include "pipeline/base/expects.hpp"
 
@@ -25,8 +26,10 @@ LabelJoin::LabelJoin(const LabelJoinOptions& options, const ClassTable& classes)
       height_(options.height),
       labels_come_(options.labels_come),
       views_(static_cast<std::size_t>(options.capacity)),
+      order_(views_.size()),
       kept_(kMaxKept) {
   EXPECTS(options.capacity >= 1 && width_ > 0 && height_ > 0 && max_latency_ >= 0 && tolerance_ >= 0);
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
   for (const ObjectClass& row : classes.classes) {
     if (row.id < known_.size()) known_[row.id] = true;
   }
@@ -114,10 +117,6 @@ bool LabelJoin::belong(TimeNs labels, TimeNs view) const {
   return distance(labels, view) <= static_cast<std::uint64_t>(tolerance_);
 }
 
-LabelledView& LabelJoin::waiting(int i) {
-  return views_[static_cast<std::size_t>(first_ + i) % views_.size()];
-}
-
 LabelledView* LabelJoin::nearest_waiting(TimeNs stamp) {
   LabelledView* nearest = nullptr;
   for (int i = 0; i < count_; ++i) {
@@ -193,7 +192,7 @@ bool LabelJoin::ready(const LabelledView& oldest) const {
 }
 
 void LabelJoin::pop_first() {
-  first_ = (first_ + 1) % static_cast<int>(views_.size());
+  std::rotate(order_.begin(), order_.begin() + 1, order_.begin() + count_);
   --count_;
 }
 

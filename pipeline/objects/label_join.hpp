@@ -29,7 +29,7 @@ struct LabelCounts {
 };
 
 struct LabelJoinOptions {
-  int capacity = 16;             // views that may wait, each with the buffers of its images
+  int capacity = 16;             // views that may wait; as many buffers are kept as ever waited at once
   double max_latency_s = 3;      // a view waits so long
   double period_s = 1.0 / 30.0;  // of the camera
   int width = 0, height = 0;     // px, of its images
@@ -66,7 +66,7 @@ class LabelJoin {
   bool fits(const LabelFrame& labels) const;
   bool from_future(TimeNs stamp) const;
   bool belong(TimeNs labels, TimeNs view) const;
-  LabelledView& waiting(int i);
+  LabelledView& waiting(int i) { return views_[order_[static_cast<std::size_t>(i)]]; }
   LabelledView* nearest_waiting(TimeNs stamp);
   void join(LabelledView& to, const LabelFrame& labels);
   void keep(const LabelFrame& labels);
@@ -82,8 +82,11 @@ class LabelJoin {
   bool labels_come_;
   std::array<bool, 256> known_{};
 
-  std::vector<LabelledView> views_;  // ring
-  int first_ = 0, count_ = 0;
+  std::vector<LabelledView> views_;
+  // Indices of views_: those that wait, oldest first; then the free ones, the one left last first, so that no more
+  // slots get buffers than are ever in use at once.
+  std::vector<std::size_t> order_;
+  int count_ = 0;  // that wait
   LabelledView out_;
   std::vector<Kept> kept_;  // labels that came before their view
   std::optional<TimeNs> newest_view_, newest_labels_;

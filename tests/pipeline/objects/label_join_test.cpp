@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <random>
+#include <set>
 
 namespace povslam {
 namespace {
@@ -62,6 +63,22 @@ TEST_F(LabelJoinTest, GivesAViewTheLabelsOfItsImageHoweverLateTheyAre) {
   EXPECT_THAT(ready(), ElementsAre(300, 500));
   EXPECT_EQ(counts().joined, 3);
   EXPECT_EQ(counts().missing, 0);
+}
+
+// An image is a megabyte and a half.
+TEST_F(LabelJoinTest, NeedsNoMoreBuffersThanViewsWaitAtOnce) {
+  LabelJoin unlabelled({.capacity = 6, .max_latency_s = 0.0, .width = kWidth, .height = kHeight, .labels_come = false},
+                       geometric_classes());
+  std::set<const void*> buffers;
+  View view;
+  for (int i = 1; i <= 20; ++i) {
+    view.frame.stamp = i * kPeriod;
+    view.frame.color.resize(kWidth, kHeight, 3);
+    buffers.insert(view.frame.color.data());
+    unlabelled.add(std::move(view));
+    ASSERT_NE(unlabelled.next(), nullptr);
+  }
+  EXPECT_LE(buffers.size(), 3u);
 }
 
 TEST_F(LabelJoinTest, KeepsLabelsThatComeBeforeTheirView) {
