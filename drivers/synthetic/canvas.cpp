@@ -27,8 +27,10 @@ Canvas::Canvas(double width_m, double height_m, double texels_per_m)
       width_(texel_count(width_m, texels_per_m)),
       height_(texel_count(height_m, texels_per_m)),
       per_m_x_(width_ / width_m),
-      per_m_y_(height_ / height_m),
-      texels_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
+      per_m_y_(height_ / height_m) {
+  texels_.reserve(Texture::num_texels(width_, height_));  // once for the picture and its smaller ones
+  texels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+}
 
 Canvas::Span Canvas::columns(double x, double width) const {
   const auto at = [this](double m) { return std::clamp(static_cast<int>(m * per_m_x_ + 0.5), 0, width_); };

@@ -49,6 +49,7 @@ void Shader::shade(const View& view, const std::vector<ProjectedFace>& faces, co
   const int width = raster.hit().width(), height = raster.hit().height();
   color.resize(width, height, 3);
   for (auto* buffer : {&s20_, &t20_, &level_}) buffer->resize(static_cast<std::size_t>(width));
+  pictures_.begin_image();
   light_faces(faces, exposure);
   for (int row = 0; row < height; ++row) shade_row(raster, row, color.row(row));
   smooth_edges(raster, view.floor(), color);
@@ -58,12 +59,21 @@ void Shader::light_faces(const std::vector<ProjectedFace>& faces, double exposur
   exposure_256_ = static_cast<int>(exposure * 256.0 + 0.5);
   lit_.clear();
   for (const ProjectedFace& face : faces) {
-    const Texture& texture = world_.texture(face.object, face.surface);
     const auto f = [](double value) { return static_cast<float>(value); };
     lit_.push_back({f(face.s.x), f(face.s.y), f(face.s.constant), f(face.t.x), f(face.t.y), f(face.t.constant),
-                    f(face.plane.w.x), f(face.plane.w.y), f(face.plane.w.constant), f(texture.width()),
-                    f(texture.height()), &texture, static_cast<int>(face.light * exposure * 256.0 + 0.5)});
+                    f(face.plane.w.x), f(face.plane.w.y), f(face.plane.w.constant),
+                    static_cast<int>(face.light * exposure * 256.0 + 0.5), face.object, face.surface});
   }
+}
+
+Shader::LitFace& Shader::shown(std::int32_t hit) {
+  LitFace& face = lit_[static_cast<std::size_t>(hit - Raster::kFirstFace)];
+  if (face.texture == nullptr) {
+    face.texture = &pictures_.look_at(face.object, face.surface);
+    face.width = static_cast<float>(face.texture->width());
+    face.height = static_cast<float>(face.texture->height());
+  }
+  return face;
 }
 
 void Shader::shade_row(const Raster& raster, int row, std::uint8_t* rgb) {
@@ -75,7 +85,7 @@ void Shader::shade_row(const Raster& raster, int row, std::uint8_t* rgb) {
     if (hit[begin] < Raster::kFirstFace)
       shade_background(hit[begin], w, begin, end, rgb);
     else
-      shade_run(lit_[static_cast<std::size_t>(hit[begin] - Raster::kFirstFace)], w, row, begin, end, rgb);
+      shade_run(shown(hit[begin]), w, row, begin, end, rgb);
   }
 }
 

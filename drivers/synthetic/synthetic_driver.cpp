@@ -29,6 +29,8 @@ class SyntheticDriver final : public Driver {
     if (!world) return world.error();
     world_ = std::make_unique<World>(std::move(*world));
     renderer_ = std::make_unique<Renderer>(*world_);
+    RgbdFrame first;
+    renderer_->render_at(0.0, first);  // all that is in sight is painted before the clock runs
     lidar_ = std::make_unique<Lidar>(*world_);
     DriverSetup setup;
     setup.description = "simulated '" + options_.scene + "', seed " + std::to_string(options_.seed);

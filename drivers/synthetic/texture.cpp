@@ -15,9 +15,20 @@ int mean_of_four(Texel a, Texel b, Texel c, Texel d, int shift) {
 
 }  // namespace
 
+std::size_t Texture::num_texels(int width, int height) {
+  std::size_t sum = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  for (int level = 1; level < kMaxLevels && (width > 1 || height > 1); ++level) {
+    width = std::max(1, width / 2);
+    height = std::max(1, height / 2);
+    sum += static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  return sum;
+}
+
 Texture::Texture(int width, int height, std::vector<Texel> texels) : texels_(std::move(texels)) {
   EXPECTS(width > 0 && height > 0 && width <= kMaxSide && height <= kMaxSide);
   EXPECTS(texels_.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  texels_.reserve(num_texels(width, height));
   levels_[0] = {0, width, height};
   num_levels_ = 1;
   while (num_levels_ < kMaxLevels && (width > 1 || height > 1)) {

@@ -28,6 +28,7 @@ class Texture {
 
   Texture() = default;
   Texture(int width, int height, std::vector<Texel> texels);  // builds the pyramid
+  static std::size_t num_texels(int width, int height);       // of the whole pyramid
 
   int width() const { return levels_[0].width; }
   int height() const { return levels_[0].height; }

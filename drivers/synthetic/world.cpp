@@ -9,7 +9,7 @@ namespace povslam::synthetic {
 
 namespace {
 
-// Goods carry one print on all four sides, and nobody looks below things on the floor: saves memory and time.
+// Goods carry one print on all four sides, and nobody looks below things on the floor: saves time.
 int print_of(const Object& object, const Part& part, int face) {
   constexpr int kUpperSide = 4, kLowerSide = 5;
   if (part.paint == Paint::steel || part.paint == Paint::cloth) return 0;
@@ -26,7 +26,7 @@ TimeNs whole_microseconds(double time_s) {
 
 World::World(SyntheticOptions options, RobotMotion motion, Scene scene)
     : options_(std::move(options)), motion_(std::move(motion)), scene_(std::move(scene)) {
-  paint();
+  plan_prints();
 }
 
 Result<World> World::create(const SyntheticOptions& options) {
@@ -39,12 +39,12 @@ Result<World> World::create(const SyntheticOptions& options) {
 // Ids are one more than indices.
 void World::share_pictures(const Object& object) {
   const auto first = static_cast<std::size_t>(first_surface_[object.print - 1U]);
-  for (std::size_t i = 0; i < object.parts.size() * kFacesPerPart; ++i) texture_of_.push_back(texture_of_[first + i]);
+  for (std::size_t i = 0; i < object.parts.size() * kFacesPerPart; ++i) picture_of_.push_back(picture_of_[first + i]);
 }
 
-void World::paint() {
+void World::plan_prints() {
   for (const Object& object : scene_.objects) {
-    first_surface_.push_back(static_cast<int>(texture_of_.size()));
+    first_surface_.push_back(static_cast<int>(picture_of_.size()));
     if (object.print != 0) {
       share_pictures(object);
       continue;
@@ -52,20 +52,25 @@ void World::paint() {
     for (std::size_t p = 0; p < object.parts.size(); ++p) {
       const Part& part = object.parts[p];
       const std::array<FaceShape, kFacesPerPart> faces = faces_of(part);
-      const std::size_t first = texture_of_.size();
+      const std::size_t first = picture_of_.size();
       for (int i = 0; i < kFacesPerPart; ++i) {
         const FaceShape& face = faces[static_cast<std::size_t>(i)];
         const int print = print_of(object, part, i);
         if (print < i) {
-          texture_of_.push_back(texture_of_[first + static_cast<std::size_t>(print)]);
+          picture_of_.push_back(picture_of_[first + static_cast<std::size_t>(print)]);
           continue;
         }
         const std::uint64_t seed = mix(mix(options_.seed, object.id), p * kFacesPerPart + static_cast<std::size_t>(i));
-        texture_of_.push_back(textures_.size());
-        textures_.push_back(paint_face(part.paint, face.across.norm(), face.down.norm(), seed));
+        picture_of_.push_back(static_cast<int>(prints_.size()));
+        prints_.push_back({part.paint, face.across.norm(), face.down.norm(), seed});
       }
     }
   }
+}
+
+Texture World::paint(int picture) const {
+  const Print& print = prints_[static_cast<std::size_t>(picture)];
+  return paint_face(print.paint, print.width_m, print.height_m, print.seed);
 }
 
 TimeNs World::frame_time(std::uint64_t frame) const {

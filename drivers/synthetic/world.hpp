@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drivers/synthetic/options.hpp"
+#include "drivers/synthetic/paint.hpp"
 #include "drivers/synthetic/scene.hpp"
 #include "drivers/synthetic/texture.hpp"
 #include "pipeline/base/time.hpp"
@@ -14,7 +15,7 @@ namespace povslam::synthetic {
 // Times are seconds since the start of the drive. Constant after create(): may be shared between threads.
 class World {
  public:
-  // Lays out the scene and paints its textures (some 0.2 s). The options must be valid().
+  // Lays out the scene; nothing is painted yet. The options must be valid().
   static Result<World> create(const SyntheticOptions& options);
 
   const SyntheticOptions& options() const { return options_; }
@@ -27,22 +28,29 @@ class World {
   TimeNs frame_time(std::uint64_t frame) const;  // since the start of the drive, a whole number of microseconds
   TimeNs start_stamp() const;                    // stamp of the start of the drive, likewise
 
-  // surface as in ProjectedFace.
-  const Texture& texture(int object, int surface) const {
-    return textures_[texture_of_[static_cast<std::size_t>(first_surface_[static_cast<std::size_t>(object)] + surface)]];
+  // What is printed on a face; several may carry one picture. surface as in ProjectedFace.
+  int picture(int object, int surface) const {
+    return picture_of_[static_cast<std::size_t>(first_surface_[static_cast<std::size_t>(object)] + surface)];
   }
+  int num_pictures() const { return static_cast<int>(prints_.size()); }
+  Texture paint(int picture) const;  // the same each time (some 0.3 ms; a long wall 5 ms)
 
  private:
   World(SyntheticOptions options, RobotMotion motion, Scene scene);
-  void paint();
+  struct Print {  // how a picture is made
+    Paint paint = Paint::carton;
+    double width_m = 0.0, height_m = 0.0;
+    std::uint64_t seed = 0;
+  };
+  void plan_prints();
   void share_pictures(const Object& object);
 
   SyntheticOptions options_;
   RobotMotion motion_;
   Scene scene_;
-  std::vector<Texture> textures_;
-  std::vector<std::size_t> texture_of_;  // surface -> texture
-  std::vector<int> first_surface_;       // object -> surface
+  std::vector<Print> prints_;       // by picture
+  std::vector<int> picture_of_;     // surface -> picture
+  std::vector<int> first_surface_;  // object -> surface
 };
 
 }  // namespace povslam::synthetic
