@@ -147,8 +147,9 @@ void LabelJoin::join(LabelledView& to, const LabelFrame& labels) {
 }
 
 void LabelJoin::keep(const LabelFrame& labels) {
+  // Always the same of the free ones: each that was ever used has an image.
   const auto first = std::min_element(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) {
-    return a.used != b.used ? !a.used : a.labels.stamp < b.labels.stamp;
+    return a.used != b.used ? !a.used : a.used && a.labels.stamp < b.labels.stamp;
   });
   if (first->used) ++counts_.unmatched;
   first->labels = labels;
