@@ -67,9 +67,9 @@ App::App(const AppConfig& config, const AppOptions& options, DriverSetup setup, 
 Status App::start_threads(const AppConfig& config, AppOptions options, std::optional<OpenedStore> map) {
   counters_.store_used = map.has_value();
   counters_.store_replaced = map && !map->quarantined.empty();
-  auto understanding =
-      UnderstandingUnit::start(config, setup_, map ? &map->world : nullptr,
-                               {understanding_bell_, reports_.world, *pipeline_, map ? &changes_.world : nullptr});
+  auto understanding = UnderstandingUnit::start(
+      config, setup_, map ? &map->world : nullptr,
+      {understanding_bell_, reports_.world, *pipeline_, map ? &changes_.world : nullptr, options.mesh_wanted});
   if (!understanding) return understanding.error();
   understanding_ = std::move(*understanding);
   reporter_.emplace(ReporterOptions{.health_period = from_seconds(config.daemon.health_period_s),

@@ -30,6 +30,7 @@ struct AppOptions {
   std::filesystem::path map_store;             // the map's file; empty: it is not kept. In place of config.map
   SensorThreadOptions sensor;  // pauses between attempts to reopen; its name comes from the configuration
   TrackingProbe probe;
+  bool mesh_wanted = false;  // understanding()->mesh() shall have surfaces that are nobody's as well
 };
 
 class App {

@@ -53,6 +53,7 @@ Result<std::unique_ptr<UnderstandingUnit>> UnderstandingUnit::start(const AppCon
     if ((*sources)->any()) unit->sources_ = std::move(*sources);
     unit->sensor_labels_used_ = delivers_labels(setup);
   }
+  if (links.mesh_wanted) unit->understanding_.keep_loose_surface();
   links.pipeline.take_restored(unit->understanding_);
   unit->thread_.emplace(unit->understanding_,
                         UnderstandingLinks{links.bell, unit->views_, unit->sensor_labels_, unit->sources_.get(),

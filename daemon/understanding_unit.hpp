@@ -18,6 +18,7 @@ class UnderstandingUnit {
     ReportRing& reports;
     Pipeline& pipeline;                         // told of an earlier session's objects before its first frame
     ChangeWay<WorldChange>* changes = nullptr;  // to the disk; null: nobody stores
+    bool mesh_wanted = false;                   // see AppOptions
   };
 
   // Starts label sources and the thread. content: an earlier session's, or null. Null: understanding.labels is off.

@@ -50,7 +50,6 @@ struct Understanding::Impl {
         namer(std::move(its_namer)),
         extractor(options.objects.extract, options.integrate.depth_sigma_quadratic_per_m),
         structure(options.structure),
-        loose(options.structure, options.integrate),
         empty(options.empty),
         library(options.objects, options.object, options.integrate,
                 classes_for(options, std::move(classes), namer.get())),
@@ -86,7 +85,7 @@ struct Understanding::Impl {
       corrections.pop_front();
       library.correct(motions);
       structure_anchors.carry(structure, motions);
-      loose = LooseSurface(options.structure, options.integrate);  // nobody's, and seen again soon
+      if (loose) loose.emplace(options.structure, options.integrate);  // nobody's, and seen again soon
       forget_moved_cells(motions);
     }
     if (view_of_keyframe.empty() || view_of_keyframe.back().keyframe != view.reference_keyframe) {
@@ -158,7 +157,7 @@ struct Understanding::Impl {
       integrate(structure, seen, kStructure, Rigid3{}, options.integrate);
       structure_anchors.note(structure, view.reference_keyframe);
       empty.observe(seen);
-      loose.observe(seen, library);
+      if (loose) loose->observe(seen, library);
     }
     const TimeNs end = thread_cpu_now();
     done.times.segment_ms = ms(segmented - start) - done.times.name_ms;
@@ -177,7 +176,7 @@ struct Understanding::Impl {
   Extractor extractor;
   Volume structure;
   StructureAnchors structure_anchors;
-  LooseSurface loose;
+  std::optional<LooseSurface> loose;  // none: nobody asked for it
   EmptySpace empty;
   struct Correction {
     TimeNs stamp = 0;  // of the first view in the corrected map
@@ -212,6 +211,10 @@ Understanding::Understanding(const UnderstandingOptions& options, const SensorCa
   if (content != nullptr) impl_->restore(*content);
 }
 Understanding::~Understanding() = default;
+
+void Understanding::keep_loose_surface() {
+  impl_->loose.emplace(impl_->options.structure, impl_->options.integrate);
+}
 
 void Understanding::tell_restored(std::vector<LandmarkOwner>& owners, std::vector<ObjectBelief>& beliefs) const {
   impl_->library.tell_restored(owners, beliefs);
@@ -263,7 +266,7 @@ std::string Understanding::naming_error() const {
 void Understanding::mesh(Mesh& mesh) {
   impl_->structure_mesh.update(impl_->structure);
   impl_->structure_mesh.append_to(mesh, Rigid3{});
-  impl_->loose.append_to(mesh, kMeshWeight);
+  if (impl_->loose) impl_->loose->append_to(mesh, kMeshWeight);
   for (const auto& object : impl_->library.objects()) {
     if (object->phase != ObjectPhase::confirmed) continue;
     MeshCache cache(kMeshWeight);

@@ -46,6 +46,10 @@ class Understanding {
                 const WorldContent* content = nullptr, std::unique_ptr<SegmentNamer> namer = nullptr);
   ~Understanding();
 
+  // Before the first view: mesh() shall have surfaces that are nobody's as well (LooseSurface; some 24 MB in a
+  // warehouse aisle). Nothing else reads them.
+  void keep_loose_surface();
+
   // Of an earlier session, for the pipeline before its first frame: whose landmarks are whose, what is believed of all.
   void tell_restored(std::vector<LandmarkOwner>& owners, std::vector<ObjectBelief>& beliefs) const;
 
@@ -63,7 +67,8 @@ class Understanding {
   const LabelCounts& labels() const;
   NamingCounts naming() const;
   std::string naming_error() const;  // the network's last; empty: none
-  void mesh(Mesh& mesh);             // of everything that stands; slow the first time (only what changed is made anew)
+  // Of everything that stands; slow the first time (only what changed is made anew).
+  void mesh(Mesh& mesh);
 
   WorldChange* take_change();  // as Pipeline::take_change
   WorldChange* collect_change();

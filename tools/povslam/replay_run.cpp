@@ -120,6 +120,7 @@ class SingleThread {
     if (settings.config.pipeline.understanding.labels == "off") return;
     understanding_.emplace(settings.config.pipeline.understanding, calibration, std::move(classes),
                            map == nullptr ? nullptr : &map->world, std::move(namer));
+    understanding_->keep_loose_surface();
     pipeline_.take_restored(*understanding_);
   }
 
@@ -321,6 +322,7 @@ Result<ReplayRecord> replay_in_real_time(const ReplaySettings& settings, std::un
   options.sinks = {&sink};
   options.T_world_camera_start = settings.T_world_camera_start;
   options.map_store = settings.map;
+  options.mesh_wanted = true;
   options.on_end = [&stop, &ended] {
     ended = true;
     stop.request();
