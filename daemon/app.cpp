@@ -47,6 +47,7 @@ Result<std::unique_ptr<App>> App::start(const AppConfig& config, AppOptions opti
   log::info("{}: {}, {} x {} px, {:.1f} Hz", sensor.name, setup->description, calibration.camera.width,
             calibration.camera.height, calibration.fps);
   std::unique_ptr<App> app(new App(config, options, std::move(*setup), map ? &*map : nullptr));
+  if (map) map->content = {};  // taken over; what the objects need may have its memory
   const Status started = app->start_threads(config, std::move(options), std::move(map));
   if (!started) return started.error();
   return app;

@@ -58,6 +58,7 @@ int run(const AppConfig& config, AppOptions options) {
   if (config.daemon.exit_at_end) options.on_end = [&stop] { stop.request(); };
   auto app = App::start(config, std::move(options));
   if (!app) return complain(app.error(), kFailure);
+  malloc_trim(0);  // what reading the map took: 25 MB after two laps of an aisle
   service.ready();
   stop.wait();
   service.stopping();
