@@ -31,10 +31,12 @@ struct Arguments {
 };
 
 // What one thread has freed another may use: by default each has a heap of its own, and keeps it at its largest. They
-// hardly meet there, and tracking does not come at all.
-void share_heaps() {
-  constexpr int kHeaps = 2;
+// hardly meet there, and tracking does not come at all. What is large goes back to the system at once; by default the
+// first large piece that is freed makes malloc keep all others.
+void keep_little_free_memory() {
+  constexpr int kHeaps = 2, kLarge_bytes = 256 * 1024;
   mallopt(M_ARENA_MAX, kHeaps);
+  mallopt(M_MMAP_THRESHOLD, kLarge_bytes);
 }
 
 int complain(const Error& error, int exit_code) {
@@ -92,7 +94,7 @@ int main_with(const Arguments& arguments) {
 }  // namespace povslam
 
 int main(int argc, char** argv) {
-  povslam::share_heaps();
+  povslam::keep_little_free_memory();
   povslam::Arguments arguments;
   if (std::filesystem::exists(povslam::kSystemConfig)) arguments.config = povslam::kSystemConfig;
   CLI::App cli{"povslamd: publishes where the robot is, from its cameras, over LCM.", "povslamd"};
