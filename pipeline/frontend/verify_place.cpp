@@ -285,7 +285,8 @@ int PlaceVerifier::rival_of(const Map& map, const FeatureView& view, const Place
   std::swap(pairs_, rival_pairs_);
   const PlaceFit rival = search_guided(map, view, *other);
   std::swap(pairs_, rival_pairs_);
-  return same_pose(rival.T_camera_world, fit.T_camera_world) ? 0 : rival.num_inliers;
+  // What is left over on one thing alone is a thing that was carried.
+  return rival.on_one_thing || same_pose(rival.T_camera_world, fit.T_camera_world) ? 0 : rival.num_inliers;
 }
 
 }  // namespace povslam
