@@ -8,7 +8,7 @@ namespace povslam {
 
 namespace {
 constexpr double kNearlyAsGood = 0.3;  // of the best place's inliers
-constexpr double kSameFeatures = 0.3;  // of a rival's: it explains what the best place explains
+constexpr double kOneThingAsGood = 0.5;
 constexpr int kMinToFind = 15;
 constexpr int kTwinsPerCall = 2, kTwinCandidates = 2;
 constexpr int kMinTwin = 25;         // landmarks of one place that show in a keyframe of another
@@ -16,6 +16,14 @@ constexpr double kKnownShare = 0.5;  // of the expected landmarks: a twin with f
 constexpr int kForgiven = 2;         // frames without an answer between two that agree
 constexpr double kMoveM = 0.15, kMoveMps = 2.0;
 constexpr double kTurnRad = 0.08, kTurnRadps = 2.0;
+
+// Whether the other fit leaves it open which is right. A well known place that shows one thing alone, where the best
+// shows others beside it, is where that thing stood before it was carried: it must explain more to count.
+bool nearly_as_good(const PlaceFit& other, const PlaceFit& best) {
+  const bool known = other.num_expected >= kKnownShare * best.num_expected;
+  return other.num_inliers > (other.on_one_thing && known ? kOneThingAsGood : kNearlyAsGood) * best.num_inliers;
+}
+
 }  // namespace
 
 PlaceAround::PlaceAround(const Map& map, std::int32_t slot) {
@@ -28,14 +36,12 @@ PlaceAround::PlaceAround(const Map& map, std::int32_t slot) {
 
 Relocaliser::Relocaliser(const PinholeCamera& camera, const FrontendOptions& options) : verifier_(camera, options) {
   words_.reserve(static_cast<std::size_t>(options.orb.num_features));
-  for (auto& features : shown_) features.reserve(static_cast<std::size_t>(options.orb.num_features));
-  in_best_.resize(static_cast<std::size_t>(options.orb.num_features));
   twins_.resize(static_cast<std::size_t>(options.map.max_keyframes));
 }
 
 struct Relocaliser::Fits {
   std::array<PlaceFit, 2 * kMaxPlaces + 1> of;
-  std::size_t count = 0, best_at = 0;
+  std::size_t count = 0;
   Answer best;  // as far as a single place tells
 };
 
@@ -66,28 +72,13 @@ Relocaliser::Answer Relocaliser::search(const Map& map, PlaceIndex& index, const
   if (!believable(fits.best.fit)) return fits.best;
   favourite_ = map.keyframe(fits.best.keyframe).id;
   Answer best = fits.best;
-  bool rivalled = false;
-  for (std::size_t i = 0; i < fits.count; ++i) rivalled = rivalled || rivals(fits, i);
+  const bool rivalled = std::any_of(fits.of.begin(), fits.of.begin() + fits.count, [&best](const PlaceFit& other) {
+    return nearly_as_good(other, best.fit) && !same_pose(other.T_camera_world, best.fit.T_camera_world);
+  });
   const PlaceAround place(map, best.keyframe);
   best.twins_known = know_twins(map, index, place);
   best.verdict = rivalled || may_be_twin(map, place, view, best.fit) ? Verdict::ambiguous : Verdict::found;
   return best;
-}
-
-// Whether another place explains the frame nearly as well, from elsewhere. Not if it shows one thing alone, and there
-// where the best place leaves the frame unexplained: that thing was carried, and the camera was not. A place that looks
-// the same explains the same features.
-bool Relocaliser::rivals(const Fits& fits, std::size_t other) {
-  const PlaceFit &best = fits.best.fit, &fit = fits.of[other];
-  if (fit.num_inliers <= kNearlyAsGood * best.num_inliers || same_pose(fit.T_camera_world, best.T_camera_world)) {
-    return false;
-  }
-  if (!fit.on_one_thing) return true;
-  std::ranges::fill(in_best_, 0);
-  for (const std::int32_t feature : shown_[fits.best_at]) in_best_[static_cast<std::size_t>(feature)] = 1;
-  const auto same = std::ranges::count_if(
-      shown_[other], [this](std::int32_t feature) { return in_best_[static_cast<std::size_t>(feature)] != 0; });
-  return static_cast<double>(same) > kSameFeatures * fit.num_inliers;
 }
 
 // Verifies the places of this page; false: there are none after them.
@@ -109,13 +100,10 @@ void Relocaliser::verify(const Map& map, std::int32_t keyframe, const FeatureVie
   ++fits.best.places_tried;
   const auto fit = verifier_.verify(map, PlaceAround(map, keyframe).keyframes(), view);
   if (!fit) return;
-  shown_[fits.count].clear();
-  for (const FeatureOfLandmark& pair : verifier_.pairs()) shown_[fits.count].push_back(pair.feature);
   fits.of[fits.count++] = *fit;
   if (fits.best.keyframe != kNone && fit->num_inliers <= fits.best.fit.num_inliers) return;
   fits.best.keyframe = keyframe;
   fits.best.fit = *fit;
-  fits.best_at = fits.count - 1;
 }
 
 // Some keyframes a call; true once all of the place were looked at. What is known stays known until the map grows.
@@ -160,7 +148,7 @@ bool Relocaliser::may_be_twin(const Map& map, const PlaceAround& place, const Fe
     const PlaceFit as_twin =
         verifier_.explain(map, there.keyframes(), view, fit.T_camera_world * twin.T_twin_world.inverse());
     const bool known = as_twin.num_expected >= kKnownShare * fit.num_expected;
-    if (!known || as_twin.num_inliers > kNearlyAsGood * fit.num_inliers) return true;
+    if (!known || nearly_as_good(as_twin, fit)) return true;
   }
   return false;
 }

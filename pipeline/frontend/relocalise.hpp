@@ -72,7 +72,6 @@ class Relocaliser {
   static constexpr int kPages = 4;
   struct Fits;
   using Likeliest = std::array<std::int32_t, kMaxPlaces>;
-  bool rivals(const Fits& fits, std::size_t other);
   bool verify_page(const Map& map, PlaceIndex& index, const FeatureView& view, Fits& fits, Likeliest& likeliest);
   void verify(const Map& map, std::int32_t keyframe, const FeatureView& view, Fits& fits);
   bool know_twins(const Map& map, PlaceIndex& index, const PlaceAround& place);
@@ -81,8 +80,6 @@ class Relocaliser {
 
   PlaceVerifier verifier_;
   std::vector<std::uint32_t> words_;
-  std::array<std::vector<std::int32_t>, 2 * kMaxPlaces + 1> shown_;  // features that are inliers of each fit
-  std::vector<char> in_best_;                                        // by feature
   std::vector<Twin> twins_;
   int page_ = 0;                 // of kMaxPlaces places each
   std::int64_t favourite_ = -1;  // keyframe id of the last answer

@@ -285,8 +285,7 @@ int PlaceVerifier::rival_of(const Map& map, const FeatureView& view, const Place
   std::swap(pairs_, rival_pairs_);
   const PlaceFit rival = search_guided(map, view, *other);
   std::swap(pairs_, rival_pairs_);
-  // What is left over on one thing alone is a thing that was carried.
-  return rival.on_one_thing || same_pose(rival.T_camera_world, fit.T_camera_world) ? 0 : rival.num_inliers;
+  return same_pose(rival.T_camera_world, fit.T_camera_world) ? 0 : rival.num_inliers;
 }
 
 }  // namespace povslam
