@@ -149,7 +149,7 @@ std::vector<Key<SensorConfig>> sensor_table() {
 // An option added to these structs changes their size: give it a key above, then the new size here.
 static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
               sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 48 && sizeof(CloseLoopOptions) == 48 &&
-              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 592);
+              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 608);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

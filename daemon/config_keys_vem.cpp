@@ -4,7 +4,7 @@
 namespace povslam {
 
 // An option added to these structs changes their size: give it a key below, then the new size here.
-static_assert(sizeof(VemOptions) == 152 && sizeof(WindowOptions) == 96);
+static_assert(sizeof(VemOptions) == 168 && sizeof(WindowOptions) == 96);
 
 namespace {
 
@@ -95,6 +95,10 @@ std::vector<Key<AppConfig>> loop_table() {
       key("vem.anneal_sigma_m", AT(pipeline.backend.vem.anneal_sigma_m), 0.0, 10.0,
           "Sigma of matches at first; 0: their own"),
       key("vem.anneal_factor", AT(pipeline.backend.vem.anneal_factor), 0.01, 0.99, "By which it falls each iteration"),
+      key("vem.other_starts", AT(pipeline.backend.vem.other_starts), 0, 16,
+          "Tried at most where a window's own start leaves much unexplained; the largest ELBO is taken; 0: none"),
+      key("vem.doubtful_share", AT(pipeline.backend.vem.doubtful_share), 0.0, 1.0,
+          "Of all matches: that is when more are rejected"),
       key("vem.accept_share", AT(pipeline.backend.vem.accept_share), 0.0, 1.0,
           "Of an object's matches that must be accepted for the object to be"),
       key("vem.accept_matches", AT(pipeline.backend.vem.accept_matches), 1, 1000, "And at least so many"),

@@ -64,7 +64,7 @@ std::optional<Rigid3> VemExchange::apply(ObjectTrust& trust) {
   if (!result.fault.empty()) ++counts_.faults;
   if (!result.solved) return std::nullopt;
   ++counts_.runs;
-  counts_.iterations += std::ssize(result.iterations);
+  counts_.iterations += result.spent_iterations;
   counts_.matches += std::ssize(problem_.window.matches);
   counts_.landmarks += std::ssize(problem_.window.landmarks);
   for (std::size_t i = 0; i < result.objects.size(); ++i) judge(i, trust);

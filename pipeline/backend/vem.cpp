@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/backend/vem_starts.hpp"
 #include "pipeline/base/expects.hpp"
 
 namespace povslam {
@@ -24,20 +25,52 @@ bool fine(const VemEstimate& estimate) {
          std::ranges::all_of(estimate.landmarks, fine_quad);
 }
 
+// A camera that was carried sees one thing as it would if the thing had been.
+bool on_one_thing(const VemResult& result) {
+  return std::ranges::count_if(result.objects, [](const VemObjectResult& o) { return o.accepted; }) < 2;
+}
+
 }  // namespace
 
 Vem::Vem(const VemOptions& options) : options_(options), maximiser_(make_maximiser(options.solver)) {
   EXPECTS(options.sigma_rigid_m > 0.0 && options.sigma_prior_m > 0.0 && options.e_max_m > 0.0);
   EXPECTS(options.max_iterations >= 1 && options.steps >= 1);
   EXPECTS(options.anneal_sigma_m >= 0.0 && options.anneal_factor > 0.0 && options.anneal_factor < 1.0);
+  EXPECTS(options.other_starts >= 0 && options.doubtful_share >= 0.0);
 }
 
+// From where the window is, then, if that leaves much unexplained, from other places: the largest ELBO wins. All ends
+// are compared with the matches' own sigmas and the same stored beliefs.
 VemResult Vem::solve(const VemWindow& window) {
-  VemResult result;
-  result.fault = fault_of(window);
-  if (!result.fault.empty()) return result;
+  VemResult best;
+  best.fault = fault_of(window);
+  if (!best.fault.empty()) return best;
   sheet_.assign(window, options_);
+  best = solve_from(window, window.poses, {options_.anneal_sigma_m, options_.burn_in});
+  best.spent_iterations = static_cast<int>(best.iterations.size());
+  if (options_.other_starts == 0 || !doubtful(best)) return best;
+  for (const VemStart& start : other_starts(window, best.poses, options_.other_starts)) {
+    std::vector<Rigid3> poses = window.poses;
+    for (Rigid3& pose : poses) pose = start.T_start_window * pose;
+    VemResult other = solve_from(window, poses, {0.0, 0});
+    const int spent = best.spent_iterations + static_cast<int>(other.iterations.size()), starts = best.num_starts + 1;
+    const bool better = !best.solved || other.elbo() > best.elbo();
+    if (other.solved && !on_one_thing(other) && better) {
+      best = std::move(other);
+      best.other_start = true;
+    }
+    best.spent_iterations = spent;
+    best.num_starts = starts;
+  }
+  return best;
+}
+
+VemResult Vem::solve_from(const VemWindow& window, const std::vector<Rigid3>& poses, const Schedule& schedule) {
+  VemResult result;
+  schedule_ = schedule;
+  sheet_.set_least_sigma(0.0);
   estimate_ = sheet_.initial(window);
+  estimate_.poses = poses;
   expectation_.start(window, sheet_, options_);
   maximiser_->start(window, sheet_);
   information_.assign(sheet_.num_slots(), Quad{});
@@ -55,8 +88,14 @@ VemResult Vem::solve(const VemWindow& window) {
   return result;
 }
 
+bool Vem::doubtful(const VemResult& result) const {
+  const auto rejected = std::ranges::count_if(result.matches, [](const VemMatchResult& m) { return !m.accepted; });
+  return !result.solved ||
+         static_cast<double>(rejected) > options_.doubtful_share * static_cast<double>(result.matches.size());
+}
+
 double Vem::least_sigma(int iteration) const {
-  return options_.anneal_sigma_m * std::pow(options_.anneal_factor, iteration);
+  return schedule_.anneal_sigma_m * std::pow(options_.anneal_factor, iteration);
 }
 
 VemIteration Vem::iterate(int iteration) {
@@ -73,7 +112,7 @@ void Vem::maximise(int iteration, VemIteration& out) {
   const std::vector<Rigid3> before = estimate_.poses;
   for (int step = 0; step < options_.steps; ++step) {
     const VemDecision decision =
-        expectation_.decide(sheet_, estimate_.error2, iteration >= options_.burn_in, information_);
+        expectation_.decide(sheet_, estimate_.error2, iteration >= schedule_.burn_in, information_);
     out.num_accepted = decision.accepted;
     out.num_flipped += decision.flipped;
     const MaximiseReport report = maximiser_->maximise(information_, 1, 0.0, estimate_);
@@ -91,7 +130,7 @@ void Vem::maximise(int iteration, VemIteration& out) {
 
 bool Vem::settled(int iteration, const VemResult& result) const {
   const VemIteration& last = result.iterations.back();
-  const bool early = iteration == 0 || iteration < std::max(options_.burn_in, options_.hold_belief) ||
+  const bool early = iteration == 0 || iteration < std::max(schedule_.burn_in, options_.hold_belief) ||
                      least_sigma(iteration) > sheet_.smallest_sigma();
   if (early || last.num_flipped > 0 || last.moved_m > options_.stop_m || last.moved_rad > options_.stop_rad)
     return false;

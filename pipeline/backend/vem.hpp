@@ -51,6 +51,10 @@ struct VemResult {
   std::vector<VemMatchResult> matches;
   std::vector<VemIteration> iterations;
   std::vector<double> consistency;  // E[v] by iteration and object
+  int num_starts = 1;               // from which it was solved; all but this part is of the one with the largest ELBO
+  bool other_start = false;         // that is not the window's own
+  int spent_iterations = 0;         // of all starts
+  double elbo() const { return iterations.empty() ? 0.0 : iterations.back().elbo; }
 };
 
 class Vem {
@@ -59,6 +63,13 @@ class Vem {
   VemResult solve(const VemWindow& window);
 
  private:
+  struct Schedule {  // how a start is begun
+    double anneal_sigma_m = 0.0;
+    int burn_in = 0;
+  };
+
+  VemResult solve_from(const VemWindow& window, const std::vector<Rigid3>& poses, const Schedule& schedule);
+  bool doubtful(const VemResult& result) const;
   double least_sigma(int iteration) const;  // of matches; 0: their own
   VemIteration iterate(int iteration);
   void maximise(int iteration, VemIteration& out);
@@ -68,6 +79,7 @@ class Vem {
   void report_places(const VemWindow& window, VemResult& result) const;
 
   VemOptions options_;
+  Schedule schedule_;
   std::unique_ptr<Maximiser> maximiser_;
   WindowSheet sheet_;
   Expectation expectation_;

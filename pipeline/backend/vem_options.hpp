@@ -41,6 +41,11 @@ struct VemOptions {
   double anneal_sigma_m = 0.5;  // 0: none
   double anneal_factor = 0.75;  // per iteration, until the match's own sigma
 
+  // Not in the paper: where the window's own start leaves much unexplained, others are tried and the largest ELBO is
+  // taken.
+  int other_starts = 1;         // at most; 0: none
+  double doubtful_share = 0.2;  // of all matches: if more are rejected
+
   double accept_share = 0.5;  // of an object's matches in the current frame that must be accepted, and…
   int accept_matches = 3;     // …at least so many
   BeliefOptions belief;

@@ -8,6 +8,7 @@ namespace povslam {
 
 namespace {
 constexpr double kNearlyAsGood = 0.3;  // of the best place's inliers
+constexpr double kOneThingAsGood = 0.5;
 constexpr int kMinToFind = 15;
 constexpr int kTwinsPerCall = 2, kTwinCandidates = 2;
 constexpr int kMinTwin = 25;         // landmarks of one place that show in a keyframe of another
@@ -15,6 +16,14 @@ constexpr double kKnownShare = 0.5;  // of the expected landmarks: a twin with f
 constexpr int kForgiven = 2;         // frames without an answer between two that agree
 constexpr double kMoveM = 0.15, kMoveMps = 2.0;
 constexpr double kTurnRad = 0.08, kTurnRadps = 2.0;
+
+// Whether the other fit leaves it open which is right. A well known place that shows one thing alone, where the best
+// shows others beside it, is where that thing stood before it was carried: it must explain more to count.
+bool nearly_as_good(const PlaceFit& other, const PlaceFit& best) {
+  const bool known = other.num_expected >= kKnownShare * best.num_expected;
+  return other.num_inliers > (other.on_one_thing && known ? kOneThingAsGood : kNearlyAsGood) * best.num_inliers;
+}
+
 }  // namespace
 
 PlaceAround::PlaceAround(const Map& map, std::int32_t slot) {
@@ -64,8 +73,7 @@ Relocaliser::Answer Relocaliser::search(const Map& map, PlaceIndex& index, const
   favourite_ = map.keyframe(fits.best.keyframe).id;
   Answer best = fits.best;
   const bool rivalled = std::any_of(fits.of.begin(), fits.of.begin() + fits.count, [&best](const PlaceFit& other) {
-    return other.num_inliers > kNearlyAsGood * best.fit.num_inliers &&
-           !same_pose(other.T_camera_world, best.fit.T_camera_world);
+    return nearly_as_good(other, best.fit) && !same_pose(other.T_camera_world, best.fit.T_camera_world);
   });
   const PlaceAround place(map, best.keyframe);
   best.twins_known = know_twins(map, index, place);
@@ -140,7 +148,7 @@ bool Relocaliser::may_be_twin(const Map& map, const PlaceAround& place, const Fe
     const PlaceFit as_twin =
         verifier_.explain(map, there.keyframes(), view, fit.T_camera_world * twin.T_twin_world.inverse());
     const bool known = as_twin.num_expected >= kKnownShare * fit.num_expected;
-    if (!known || as_twin.num_inliers > kNearlyAsGood * fit.num_inliers) return true;
+    if (!known || nearly_as_good(as_twin, fit)) return true;
   }
   return false;
 }

@@ -300,10 +300,6 @@ bool Tracker::moved_possibly() const {
          rotation_angle_rad(moved) <= kStepRad + kMaxTurnRadps * passed_s;
 }
 
-bool Tracker::found_at_start() {
-  return start_tries_ > 0 && --start_tries_ >= 0 && confirm(T_world_camera_start_.inverse()) && !hangs_on_one_thing();
-}
-
 bool Tracker::hangs_on_one_thing() {
   things_.clear();
   for (int i = 0; i < frame_.size(); ++i) {

@@ -95,6 +95,7 @@ class Tracker {
   bool relocalise();
   bool found_near();
   bool found_at_start();
+  bool far_better_elsewhere();
   bool found_anywhere();
   bool confirm(const Rigid3& T_camera_world);
   bool hangs_on_one_thing();

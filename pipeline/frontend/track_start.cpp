@@ -10,6 +10,7 @@ namespace {
 constexpr int kMinToStart = 40;                          // features with depth to begin a map
 constexpr double kAnywhereM = 100.0, kAnyTurnRad = 3.0;  // doubt of a pose nobody knows
 constexpr int kStartTries = 30;                          // frames
+constexpr double kFarBetter = 2.0;                       // as many landmarks as the start shows
 constexpr int kFewKeyframes = 3;                         // a map that is nothing yet…
 constexpr double kGiveUpS = 2.0;                         // …and in which nothing was found for so long
 }  // namespace
@@ -28,6 +29,20 @@ void Tracker::adopt(const MapContent& content) {
   result_.covariance.bottomRightCorner<3, 3>().diagonal().setConstant(kAnyTurnRad * kAnyTurnRad);
   bad_frames_ = options_.track.frames_to_lost;
   start_tries_ = options_.map.start == "known" ? kStartTries : 0;
+}
+
+bool Tracker::found_at_start() {
+  if (start_tries_ == 0) return false;
+  --start_tries_;
+  return confirm(T_world_camera_start_.inverse()) && !hangs_on_one_thing() && !far_better_elsewhere();
+}
+
+// A start that is wrong may yet show a few things that were carried: another place that explains far more of the frame
+// speaks against it, even if it is not certain itself.
+bool Tracker::far_better_elsewhere() {
+  const Relocaliser::Answer answer = relocaliser_.search(map_, places_.index(), frame_);
+  return believable(answer.fit) && answer.fit.num_inliers > kFarBetter * result_.num_landmarks &&
+         !same_pose(answer.fit.T_camera_world, frame_.T_camera_world);
 }
 
 bool Tracker::can_begin_map() const {

@@ -46,6 +46,7 @@ VemOptions options_of(VemSolver solver) {
   options.solver = solver;
   options.max_iterations = 30;
   options.stop_m = -1.0;  // all 30
+  options.other_starts = 0;
   return options;
 }
 

@@ -51,6 +51,32 @@ TEST(Twins, APlaceWithoutOneIsBelieved) {
   EXPECT_TRUE(same_pose(outcome.last.fit.T_camera_world, view.frame.T_camera_world));
 }
 
+// A box was carried while the map was made: it holds the box where it stood, too. There it alone explains the image,
+// here all around it does as well.
+TEST(Twins, WhereOneThingStoodBeforeIsNone) {
+  constexpr std::size_t kBox = 160;  // of the points: more than a rival needs
+  const Rack rack;
+  made::Places made;
+  made.add_place(rack.points, rack.looks, kHere);
+  std::vector<Descriptor> before = rack.otherwise;
+  std::copy_n(rack.looks.begin(), kBox, before.begin());
+  made.add_place(made::moved(rack.points, kThere), before, kThere);
+  const made::View view = made.look(rack.points, rack.looks, kBeforeIt);
+  const auto own = [&made](std::int64_t there, std::int64_t here) {
+    for (std::int32_t slot = 0; slot < made.map.landmark_slots(); ++slot) {
+      if (!made.map.landmark(slot).alive) continue;
+      const bool far = made.map.landmark(slot).p_world.x() > 10.0;
+      made.map.landmark(slot).owner = far ? there : slot % 2 == 0 ? here : 0;
+    }
+  };
+  own(0, 0);  // of structure: walls are not carried
+  EXPECT_EQ(search(made, view.frame).last.verdict, Verdict::ambiguous);
+  own(5, 7);
+  const Outcome outcome = search(made, view.frame);
+  EXPECT_TRUE(outcome.believed);
+  EXPECT_TRUE(same_pose(outcome.last.fit.T_camera_world, view.frame.T_camera_world));
+}
+
 TEST(Twins, IdenticalOnesLeaveTheCameraLost) {
   const Rack rack;
   made::Places made;
