@@ -62,6 +62,8 @@ std::vector<Key<AppConfig>> frontend_table() {
       key("track.min_inliers_ok", AT(pipeline.frontend.track.min_inliers_ok), 4, 2000, "Landmarks for state OK"),
       key("track.min_inliers_degraded", AT(pipeline.frontend.track.min_inliers_degraded), 4, 2000,
           "With fewer the pose is not trusted at all"),
+      key("track.object_landmarks", AT(pipeline.frontend.track.object_landmarks), 0, 1000,
+          "Of a small believed thing; where fewer were seen more features are wanted; 0: never"),
       key("track.frames_to_recover", AT(pipeline.frontend.track.frames_to_recover), 1, 300,
           "Good frames in a row before DEGRADED becomes OK"),
       key("track.frames_to_lost", AT(pipeline.frontend.track.frames_to_lost), 1, 300,
@@ -147,9 +149,9 @@ std::vector<Key<SensorConfig>> sensor_table() {
 }
 
 // An option added to these structs changes their size: give it a key above, then the new size here.
-static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 24 &&
+static_assert(sizeof(OrbOptions) == 32 && sizeof(NoiseOptions) == 48 && sizeof(TrackOptions) == 32 &&
               sizeof(MapOptions) == 104 && sizeof(SmoothOptions) == 48 && sizeof(CloseLoopOptions) == 48 &&
-              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 608);
+              sizeof(PipelineOptions) - sizeof(UnderstandingOptions) == 616);
 
 // Edit distance (Levenshtein), insertions, deletions and replacements cost 1.
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -138,7 +138,8 @@ FrameBuilder::FrameBuilder(const PinholeCamera& camera, const FrontendOptions& o
   for (int level = 0; level < extractor_.num_levels(); ++level) scales_.push_back(extractor_.scale(level));
 }
 
-void FrameBuilder::build(const RgbdFrame& input, double depth_noise_factor, Frame& frame) {
+void FrameBuilder::build(const RgbdFrame& input, double depth_noise_factor, Frame& frame,
+                         std::span<const FeatureWish> wishes) {
   EXPECTS(input.color.width() == camera_.width && input.color.height() == camera_.height);
   EXPECTS(input.depth.width() == camera_.width && input.depth.height() == camera_.height);
   frame.stamp = input.stamp;
@@ -147,7 +148,7 @@ void FrameBuilder::build(const RgbdFrame& input, double depth_noise_factor, Fram
     rgb_to_grey(input.color.data(), grey_.data(), static_cast<std::int64_t>(grey_.size()));
     grey = grey_.data();
   }
-  extractor_.extract(grey, camera_.width, frame.features);
+  extractor_.extract(grey, camera_.width, frame.features, wishes);
   rectify(frame);
   measure_depth(input, depth_noise_factor, frame);
   std::fill_n(frame.landmark.begin(), frame.size(), kNone);

@@ -46,7 +46,8 @@ struct Frame {
 class FrameBuilder {
  public:
   FrameBuilder(const PinholeCamera& camera, const FrontendOptions& options);
-  void build(const RgbdFrame& input, double depth_noise_factor, Frame& frame);
+  // wishes: where features are wanted more than elsewhere.
+  void build(const RgbdFrame& input, double depth_noise_factor, Frame& frame, std::span<const FeatureWish> wishes = {});
   float level_scale(int level) const { return scales_[static_cast<std::size_t>(level)]; }
   const std::vector<float>& level_scales() const { return scales_; }
   const OrbExtractor& images() const { return extractor_; }

@@ -21,8 +21,9 @@ struct TrackOptions {
   double search_radius_px = 15.0;  // around the predicted position, level 0; doubled when too few match
   int min_inliers_ok = 30;         // landmarks for state OK
   int min_inliers_degraded = 12;   // landmarks below which the pose is not trusted at all
-  int frames_to_recover = 3;       // good frames in a row before DEGRADED becomes OK
-  int frames_to_lost = 3;          // frames in a row without a pose before LOST
+  int object_landmarks = 24;  // seen of a small believed thing; of one with fewer more features are wanted; 0: never
+  int frames_to_recover = 3;  // good frames in a row before DEGRADED becomes OK
+  int frames_to_lost = 3;     // frames in a row without a pose before LOST
 };
 
 struct MapOptions {

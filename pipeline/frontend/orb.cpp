@@ -144,13 +144,15 @@ OrbExtractor::~OrbExtractor() = default;
 OrbExtractor::OrbExtractor(OrbExtractor&&) noexcept = default;
 OrbExtractor& OrbExtractor::operator=(OrbExtractor&&) noexcept = default;
 
-void OrbExtractor::extract(const std::uint8_t* grey, std::int64_t stride, OrbFeatures& features) {
+void OrbExtractor::extract(const std::uint8_t* grey, std::int64_t stride, OrbFeatures& features,
+                           std::span<const FeatureWish> wishes) {
   EXPECTS(features.capacity >= impl_->options.num_features);
   EXPECTS(stride >= impl_->pyramid.levels()[0].width);
   impl_->pyramid.build(impl_->kernels, grey, stride);
   features.size = 0;
   int quota = 0;  // of the levels so far
   for (int l = 0; l < num_levels(); ++l) {
+    impl_->spreads[static_cast<std::size_t>(l)].favour(wishes, scale(l));
     quota = l + 1 == num_levels() ? impl_->options.num_features : quota + impl_->quotas[l];
     impl_->extract_level(l, std::min(quota, impl_->options.num_features) - features.size, features);
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace povslam {
@@ -48,6 +49,11 @@ struct PyramidLevel {
   float scale = 1.0F;  // level-0 px per px of this level: x0 = (x + 0.5) * scale - 0.5
 };
 
+// A part of the image, level-0 px, where features are wanted more than elsewhere.
+struct FeatureWish {
+  float x0 = 0.0F, y0 = 0.0F, x1 = 0.0F, y1 = 0.0F;
+};
+
 class OrbExtractor {
  public:
   // On the widest instruction set this machine has, or on given kernels (kernels/dispatch.hpp).
@@ -58,8 +64,9 @@ class OrbExtractor {
   OrbExtractor& operator=(OrbExtractor&&) noexcept;
 
   // grey: height rows of width bytes, `stride` bytes apart. Features come sorted by level, then cell row, then cell.
-  // Deterministic; the same on every instruction set.
-  void extract(const std::uint8_t* grey, std::int64_t stride, OrbFeatures& features);
+  // Deterministic; the same on every instruction set. Cells that lie in a wish get several times the share of others.
+  void extract(const std::uint8_t* grey, std::int64_t stride, OrbFeatures& features,
+               std::span<const FeatureWish> wishes = {});
 
   // Levels of the last image, valid until the next extract().
   int num_levels() const;

@@ -9,6 +9,7 @@ namespace povslam {
 namespace {
 
 constexpr int kPatchPx = 8;
+constexpr std::uint8_t kFavoured = 4;  // shares
 constexpr std::uint32_t kLast = 0xFFFFFFFFU;
 
 // Larger is better: score first, then the earlier in raster order.
@@ -39,9 +40,10 @@ CornerSpread::CornerSpread(PixelRect area, int cell_px) : area_(area) {
   patch_column_ = divide(width, cell_columns_ * patches_);
   patch_row_ = divide(height, cell_rows_ * patches_);
   cells_.resize(static_cast<std::size_t>(cell_columns_) * cell_rows_);
+  shares_.assign(cells_.size(), 1);
   best_.resize(cells_.size() * patches_ * patches_ * 2);
   candidates_.resize(best_.size());
-  contest_.reserve(cells_.size());
+  contest_.reserve(kFavoured * cells_.size());
   chosen_.resize(best_.size());
 }
 
@@ -78,32 +80,61 @@ void CornerSpread::rank(const FastCorner* corners, int good_score) {
   }
 }
 
+bool CornerSpread::holds(int column, int row, const FeatureWish& wish, float scale) const {
+  constexpr float kQuarter = 0.25F;
+  const float width = static_cast<float>(area_.x1 - area_.x0) / static_cast<float>(cell_columns_);
+  const float height = static_cast<float>(area_.y1 - area_.y0) / static_cast<float>(cell_rows_);
+  const float x0 = static_cast<float>(area_.x0) + static_cast<float>(column) * width, x1 = x0 + width;
+  const float y0 = static_cast<float>(area_.y0) + static_cast<float>(row) * height, y1 = y0 + height;
+  const float across = std::min(x1, wish.x1 / scale) - std::max(x0, wish.x0 / scale);
+  const float down = std::min(y1, wish.y1 / scale) - std::max(y0, wish.y0 / scale);
+  const float x = 0.5F * (wish.x0 + wish.x1) / scale, y = 0.5F * (wish.y0 + wish.y1) / scale;
+  return (x >= x0 && x < x1 && y >= y0 && y < y1) ||
+         (across > 0.0F && down > 0.0F && across * down >= kQuarter * width * height);
+}
+
+void CornerSpread::favour(std::span<const FeatureWish> wishes, float scale) {
+  for (int row = 0, c = 0; row < cell_rows_; ++row) {
+    for (int column = 0; column < cell_columns_; ++column, ++c) {
+      const bool wanted =
+          std::ranges::any_of(wishes, [&](const FeatureWish& wish) { return holds(column, row, wish, scale); });
+      shares_[static_cast<std::size_t>(c)] = wanted ? kFavoured : std::uint8_t{1};
+    }
+  }
+}
+
 template <class Available>
 void CornerSpread::share_out(int budget, Available available) {
-  // The level of the water: all cells with that many candidates have as many taken.
+  // The level of the water: all cells with that many candidates have as many taken, favoured ones several times that.
   for (;;) {
     int open = 0;
-    for (const Cell& cell : cells_) open += cell.taken < available(cell) ? 1 : 0;
+    for (std::size_t c = 0; c < cells_.size(); ++c) open += cells_[c].taken < available(cells_[c]) ? shares_[c] : 0;
     if (open == 0 || open > budget) break;
     const int step = budget / open;
-    for (Cell& cell : cells_) {
-      const int more = std::clamp(available(cell) - cell.taken, 0, step);
-      cell.taken += more;
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const int more = std::clamp(available(cells_[c]) - cells_[c].taken, 0, step * shares_[c]);
+      cells_[c].taken += more;
       budget -= more;
     }
   }
-  if (budget == 0) return;
-  contest_.clear();
+  // The rest by score, each cell's share at most: until nothing is left of it.
   const std::size_t per_cell = static_cast<std::size_t>(patches_) * patches_ * 2;
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
-    if (cells_[c].taken >= available(cells_[c])) continue;
-    contest_.push_back(score_key(score_of(candidates_[c * per_cell + cells_[c].taken]), static_cast<int>(c)));
+  while (budget > 0) {
+    contest_.clear();
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const int last = std::min(available(cells_[c]), cells_[c].taken + shares_[c]);
+      for (int k = cells_[c].taken; k < last; ++k) {
+        contest_.push_back(score_key(score_of(candidates_[c * per_cell + k]), static_cast<int>(c)));
+      }
+    }
+    if (contest_.empty()) return;
+    if (static_cast<int>(contest_.size()) > budget) {
+      std::nth_element(contest_.begin(), contest_.begin() + budget, contest_.end(), std::greater<>());
+      contest_.resize(budget);
+    }
+    for (const std::uint64_t key : contest_) ++cells_[index_of(key)].taken;
+    budget -= static_cast<int>(contest_.size());
   }
-  if (static_cast<int>(contest_.size()) > budget) {
-    std::nth_element(contest_.begin(), contest_.begin() + budget, contest_.end(), std::greater<>());
-    contest_.resize(budget);
-  }
-  for (const std::uint64_t key : contest_) ++cells_[index_of(key)].taken;
 }
 
 int CornerSpread::choose(FastCorner* corners, int count, int wanted, int good_score) {

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pipeline/frontend/kernels/kernels.hpp"
+#include "pipeline/frontend/orb.hpp"
 
 namespace povslam {
 
@@ -14,6 +16,10 @@ class CornerSpread {
  public:
   // area: where corners may lie. cell_px: edge of a cell (cells are made to fit the area evenly).
   CornerSpread(PixelRect area, int cell_px);
+
+  // Cells of which a wish holds a quarter, or that hold its middle, get several times the share of others from now on.
+  // scale: level-0 px per px of this level.
+  void favour(std::span<const FeatureWish> wishes, float scale);
 
   // Moves at most `wanted` of the first `count` corners (in raster order) to the front, sorted by cell row, then cell,
   // then preference, and returns how many. Corners below good_score are taken only in cells that have no better ones,
@@ -26,6 +32,7 @@ class CornerSpread {
     int all = 0;
     int taken = 0;
   };
+  bool holds(int column, int row, const FeatureWish& wish, float scale) const;
 
   void collect(const FastCorner* corners, int count);
   void rank(const FastCorner* corners, int good_score);
@@ -38,6 +45,7 @@ class CornerSpread {
   std::vector<std::uint16_t> patch_column_, patch_row_;  // of each pixel column and row of the area
   std::vector<std::uint64_t> best_;                      // two per patch: score and index of its best corners
   std::vector<Cell> cells_;
+  std::vector<std::uint8_t> shares_;       // of each cell, 1: an ordinary one
   std::vector<std::uint64_t> candidates_;  // per cell 2 * patches_^2 keys, best first
   std::vector<std::uint64_t> contest_;
   std::vector<FastCorner> chosen_;

@@ -40,6 +40,7 @@ Tracker::Tracker(const SensorCalibration& calibration, const FrontendOptions& op
       journal_(camera_, options.map),
       places_(options.orb.num_features, options.map),
       loops_(camera_, options),
+      wishes_(camera_, options.track.object_landmarks),
       frame_(camera_, options),
       last_(camera_, options) {
   observations_.reserve(static_cast<std::size_t>(options.orb.num_features));
@@ -54,7 +55,7 @@ const TrackResult& Tracker::track(const RgbdFrame& input) {
   result_.keyframe = false;
   apply_answers();
   std::swap(frame_, last_);
-  builder_.build(input, depth_noise_.value(), frame_);
+  builder_.build(input, depth_noise_.value(), frame_, wishes_.after(map_, local_map_, last_));
   frame_.index = frame_index_++;
   turn_prior_.look(builder_.images());
   refiner_.start(frame_);

@@ -17,6 +17,7 @@
 #include "pipeline/frontend/map_places.hpp"
 #include "pipeline/frontend/match.hpp"
 #include "pipeline/frontend/motion_model.hpp"
+#include "pipeline/frontend/object_wishes.hpp"
 #include "pipeline/frontend/patch_refiner.hpp"
 #include "pipeline/frontend/relocalise.hpp"
 #include "pipeline/frontend/smooth_exchange.hpp"
@@ -132,6 +133,7 @@ class Tracker {
   std::unordered_map<std::int64_t, std::int32_t> restored_landmarks_;  // id -> slot, of an earlier session
   ThingCount things_{256};                                             // in a frame
   Agreement agreement_;                                                // of what frames say while lost
+  ObjectWishes wishes_;
   Frame frame_, last_;
   std::vector<PoseObservation> observations_;
   std::vector<std::int32_t> observed_feature_;  // of each observation

@@ -231,4 +231,37 @@ TEST(NearestDescriptor, FindsTheNearestAndTheRunnerUp) {
   EXPECT_EQ(hamming_distance(candidates[1], candidates[2]), 67);
 }
 
+TEST(Orb, GivesMoreFeaturesWhereTheyAreWished) {
+  const ImageU8 image = textured_image(640, 480);
+  const FeatureWish wish{200.0F, 150.0F, 260.0F, 230.0F};
+  const auto inside = [&](const OrbFeatures& features) {
+    int count = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(features.size); ++k) {
+      const bool across = features.x[k] >= wish.x0 && features.x[k] < wish.x1;
+      count += across && features.y[k] >= wish.y0 && features.y[k] < wish.y1 ? 1 : 0;
+    }
+    return count;
+  };
+  OrbExtractor extractor(640, 480, {});
+  OrbFeatures even(1000), wished(1000), again(1000);
+  extractor.extract(image.data(), image.stride(), even);
+  extractor.extract(image.data(), image.stride(), wished, {&wish, 1});
+  extractor.extract(image.data(), image.stride(), again);
+  EXPECT_EQ(wished.size, even.size) << "the others give what it gets";
+  EXPECT_GT(inside(wished), 2 * inside(even));
+  std::vector<FeatureWish> many;
+  for (int k = 0; k < 30; ++k) {
+    const auto x = static_cast<float>(20 + 100 * (k % 6)), y = static_cast<float>(20 + 90 * (k / 6));
+    many.push_back({x, y, x + 60.0F, y + 60.0F});
+  }
+  OrbFeatures everywhere(1000);
+  extractor.extract(image.data(), image.stride(), everywhere, many);
+  EXPECT_EQ(everywhere.size, even.size);
+  const auto of_level = [](const OrbFeatures& features, int level) {
+    return std::count(features.level.begin(), features.level.begin() + features.size, level);
+  };
+  for (const int level : {0, 3}) EXPECT_EQ(of_level(everywhere, level), of_level(even, level)) << level;
+  EXPECT_EQ(checksum(again), checksum(even)) << "a wish holds for one image";
+}
+
 }  // namespace povslam
