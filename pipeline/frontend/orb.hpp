@@ -64,7 +64,7 @@ class OrbExtractor {
   OrbExtractor& operator=(OrbExtractor&&) noexcept;
 
   // grey: height rows of width bytes, `stride` bytes apart. Features come sorted by level, then cell row, then cell.
-  // Deterministic; the same on every instruction set. Cells that lie in a wish get several times the share of others.
+  // Deterministic; the same on every instruction set. Cells that lie in a wish get twice the share of others.
   void extract(const std::uint8_t* grey, std::int64_t stride, OrbFeatures& features,
                std::span<const FeatureWish> wishes = {});
 

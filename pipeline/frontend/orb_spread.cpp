@@ -9,7 +9,7 @@ namespace povslam {
 namespace {
 
 constexpr int kPatchPx = 8;
-constexpr std::uint8_t kFavoured = 4;  // shares
+constexpr std::uint8_t kFavoured = 2;  // shares
 constexpr std::uint32_t kLast = 0xFFFFFFFFU;
 
 // Larger is better: score first, then the earlier in raster order.
@@ -105,7 +105,7 @@ void CornerSpread::favour(std::span<const FeatureWish> wishes, float scale) {
 
 template <class Available>
 void CornerSpread::share_out(int budget, Available available) {
-  // The level of the water: all cells with that many candidates have as many taken, favoured ones several times that.
+  // The level of the water: all cells with that many candidates have as many taken, favoured ones twice that.
   for (;;) {
     int open = 0;
     for (std::size_t c = 0; c < cells_.size(); ++c) open += cells_[c].taken < available(cells_[c]) ? shares_[c] : 0;

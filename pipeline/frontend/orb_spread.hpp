@@ -17,7 +17,7 @@ class CornerSpread {
   // area: where corners may lie. cell_px: edge of a cell (cells are made to fit the area evenly).
   CornerSpread(PixelRect area, int cell_px);
 
-  // Cells of which a wish holds a quarter, or that hold its middle, get several times the share of others from now on.
+  // Cells of which a wish holds a quarter, or that hold its middle, get twice the share of others from now on.
   // scale: level-0 px per px of this level.
   void favour(std::span<const FeatureWish> wishes, float scale);
 
