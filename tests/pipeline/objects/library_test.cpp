@@ -43,6 +43,16 @@ class LibraryStory : public testing::Test {
     }
     return out;
   }
+  void see_ten_around() {  // cartons 0.6 m wide and deep, but none ahead
+    for (int i = 0; i < 10; ++i) {
+      const double angle = 0.5 + 0.5 * i;
+      world.things.push_back({{{2.2 * std::cos(angle), 2.2 * std::sin(angle), 0.35}, {0.6, 0.6, 0.7}, angle}});
+    }
+    for (int i = 0; i < 40; ++i) {
+      const double angle = 0.5 + 0.125 * i;
+      look(SmallWorld::looking({0.0, 0.0}, {std::cos(angle), std::sin(angle)}));
+    }
+  }
   static Box carton(double x, double y, double yaw = 0.4) { return {{x, y, 0.35}, {0.8, 0.6, 0.7}, yaw}; }
 
   SmallWorld world;
@@ -198,14 +208,7 @@ TEST_F(LibraryStory, WhatWasTakenForOneIsDividedWhereViewsTellItApart) {
 
 // Ten like it are known, so that its width is; of it only what is left and right of a post is ever seen.
 TEST_F(LibraryStory, AThingBehindAPostIsOne) {
-  for (int i = 0; i < 10; ++i) {
-    const double angle = 0.5 + 0.5 * i;
-    world.things.push_back({{{2.2 * std::cos(angle), 2.2 * std::sin(angle), 0.35}, {0.6, 0.6, 0.7}, angle}});
-  }
-  for (int i = 0; i < 40; ++i) {
-    const double angle = 0.5 + 0.125 * i;
-    look(SmallWorld::looking({0.0, 0.0}, {std::cos(angle), std::sin(angle)}));
-  }
+  see_ten_around();
   ASSERT_EQ(confirmed().size(), 10U);
   const Box behind{{2.5, 0.0, 0.35}, {0.6, 0.6, 0.7}, 0.0};
   world.things.push_back({behind});
@@ -218,14 +221,7 @@ TEST_F(LibraryStory, AThingBehindAPostIsOne) {
 }
 
 TEST_F(LibraryStory, TwoThingsWithAPostBeforeTheirGapAreTwo) {
-  for (int i = 0; i < 10; ++i) {
-    const double angle = 0.5 + 0.5 * i;
-    world.things.push_back({{{2.2 * std::cos(angle), 2.2 * std::sin(angle), 0.35}, {0.6, 0.6, 0.7}, angle}});
-  }
-  for (int i = 0; i < 40; ++i) {
-    const double angle = 0.5 + 0.125 * i;
-    look(SmallWorld::looking({0.0, 0.0}, {std::cos(angle), std::sin(angle)}));
-  }
+  see_ten_around();
   world.things.push_back({{{2.5, 0.34, 0.35}, {0.6, 0.6, 0.7}, 0.0}});
   world.things.push_back({{{2.5, -0.34, 0.35}, {0.6, 0.6, 0.7}, 0.0}});
   world.things.push_back({{{2.0, 0.0, 1.0}, {0.05, 0.12, 2.0}, 0.0}, SmallWorld::kWall});
