@@ -74,7 +74,8 @@ class Tracker {
   void correct(const Rigid3& T_new_old);
 
  private:
-  static constexpr int kMinFromLast = 20;  // points of the last frame that must agree on a pose
+  static constexpr int kMinFromLast = 20;      // points of the last frame that must agree on a pose
+  static constexpr int kMinToRelocalise = 40;  // fitting landmarks before a found place is believed
 
   void adopt(const MapContent& content);
   bool can_begin_map() const;
