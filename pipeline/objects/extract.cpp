@@ -17,13 +17,14 @@ constexpr std::size_t kClassIds = 256;
 constexpr double kBoxTrim = 0.01;
 
 // What a class id of a label image stands for here.
-enum class Part : std::uint8_t { nothing, structure, thing };
+enum class Part : std::uint8_t { nothing, structure, moving, thing };
 
 std::array<Part, kClassIds> parts_of(const ClassTable& table) {
   std::array<Part, kClassIds> parts{};
   for (const ObjectClass& row : table.classes) {
     if (row.id >= kClassIds) continue;
     if (row.kind == ClassKind::structure) parts[row.id] = Part::structure;
+    if (row.kind == ClassKind::dynamic) parts[row.id] = Part::moving;
     if (row.kind == ClassKind::static_object || row.kind == ClassKind::semi_static) parts[row.id] = Part::thing;
   }
   return parts;
@@ -202,6 +203,20 @@ struct Extractor::Impl {
       }
     }
   }
+
+  // With a rim: where a silhouette ends is not told to the pixel.
+  template <class Moving>
+  void write_moving(const ImageU8& classes, const Moving& is_moving, DepthView& view) const {
+    const int r = options.erode_px, last_x = classes.width() - 1, last_y = classes.height() - 1;
+    for (int y = 0; y <= last_y; ++y) {
+      for (int x = 0; x <= last_x; ++x) {
+        if (!is_moving(classes.at(x, y))) continue;
+        view.owner.at(x, y) = kMoving;
+        view.owner.at(std::max(x - r, 0), y) = view.owner.at(std::min(x + r, last_x), y) = kMoving;
+        view.owner.at(x, std::max(y - r, 0)) = view.owner.at(x, std::min(y + r, last_y)) = kMoving;
+      }
+    }
+  }
 };
 
 Extractor::Extractor(const ExtractOptions& options, double depth_sigma_quadratic_per_m)
@@ -216,6 +231,8 @@ const Extraction& Extractor::from_classes(const ImageU8& classes, const ClassTab
   impl_->fill_cells(classes, view, [&](std::uint8_t id) { return parts[id] == Part::thing; });
   impl_->write_structure(
       classes, [&](std::uint8_t id) { return parts[id] == Part::structure; }, view);
+  impl_->write_moving(
+      classes, [&](std::uint8_t id) { return parts[id] == Part::moving; }, view);
   const auto owner = impl_->observe(view, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
   impl_->write_owner(classes, owner, view);
   return impl_->result;

@@ -276,6 +276,11 @@ void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, 
     const int x = static_cast<int>(std::lround(seen.x)), y = static_cast<int>(std::lround(seen.y));
     if (x < 0 || y < 0 || x >= view.owner.width() || y >= view.owner.height()) continue;
     const std::uint16_t pixel = view.owner.at(x, y);
+    if (pixel == kMoving) {
+      owner_of_landmark_.erase(seen.landmark);
+      step.owners.push_back({seen.landmark, seen.slot, LandmarkOwner::kGone});
+      continue;
+    }
     const auto object = object_of_owner_.find(pixel);
     if (pixel == kNobody || (pixel >= kFirstInstance && object == object_of_owner_.end())) continue;
     const std::int64_t id = pixel == kStructure ? LandmarkOwner::kStructure : object->second;

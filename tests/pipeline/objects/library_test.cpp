@@ -300,5 +300,16 @@ TEST_F(LibraryStory, OwnsTheLandmarksOnIt) {
   EXPECT_EQ(step.owners.size(), 1U) << "told once";
 }
 
+TEST_F(LibraryStory, WantsNoLandmarksOnWhoWalks) {
+  world.things = {{{{2.5, 0.0, 0.85}, {0.3, 0.5, 1.7}, 0.0}, SmallWorld::kPerson}};
+  drive(3);
+  std::vector<SeenLandmark> landmarks(1);
+  landmarks[0] = {77, 3, 159.0F, 150.0F, 0.4F, {}};
+  library.claim_landmarks(landmarks, view, step);
+  ASSERT_EQ(step.owners.size(), 1U);
+  EXPECT_EQ(step.owners[0].landmark, 77);
+  EXPECT_EQ(step.owners[0].object, LandmarkOwner::kGone);
+}
+
 }  // namespace
 }  // namespace povslam
