@@ -75,6 +75,15 @@ struct Extractor::Impl {
     grooves.find(separable, view, groove);
   }
 
+  void find_grooves(const ImageU16& instances, const DepthView& view) {
+    separable.resize(instances.width(), instances.height());
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      const std::uint16_t id = instances.data()[i];
+      separable.data()[i] = id >= kFirstInstance ? id : std::uint16_t{0};
+    }
+    grooves.find(separable, view, groove);
+  }
+
   // A groove may be narrower than a cell: half of it is enough to divide.
   bool grooved(int x, int y) const {
     if (groove.empty()) return false;
@@ -110,7 +119,7 @@ struct Extractor::Impl {
 
   // Components large enough become observations; owner ids of small ones are 0.
   template <class SetClass>
-  std::vector<std::uint16_t> observe(const DepthView& view, const SetClass& set_class) {
+  std::vector<std::uint16_t> observe(const DepthView& view, bool instances, const SetClass& set_class) {
     const std::vector<Component>& components = finder.find(value, depth, options.connect_m, options.connect_share);
     std::vector<std::uint16_t> owner(components.size(), kNobody);
     for (std::size_t i = 0; i < components.size(); ++i) {
@@ -126,7 +135,7 @@ struct Extractor::Impl {
       result.observations.push_back(std::move(thing));
     }
     collect_points(view, owner);
-    if (!groove.empty()) find_fences({value, depth, finder, components, owner}, separable, view, result.observations);
+    find_fences({value, depth, finder, components, owner, instances}, separable, view, result.observations);
     drop_thin(owner);
     return owner;
   }
@@ -233,7 +242,7 @@ const Extraction& Extractor::from_classes(const ImageU8& classes, const ClassTab
       classes, [&](std::uint8_t id) { return parts[id] == Part::structure; }, view);
   impl_->write_moving(
       classes, [&](std::uint8_t id) { return parts[id] == Part::moving; }, view);
-  const auto owner = impl_->observe(view, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
+  const auto owner = impl_->observe(view, false, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
   impl_->write_owner(classes, owner, view);
   return impl_->result;
 }
@@ -242,11 +251,11 @@ const Extraction& Extractor::from_instances(const ImageU16& instances, const std
                                             DepthView& view) {
   EXPECTS(instances.width() == view.camera.width && instances.height() == view.camera.height);
   impl_->result = {};
-  impl_->groove.resize(0, 0);
+  impl_->find_grooves(instances, view);
   impl_->fill_cells(instances, view, [](std::uint16_t id) { return id >= kFirstInstance; });
   impl_->write_structure(
       instances, [](std::uint16_t id) { return id == kStructure; }, view);
-  const auto owner = impl_->observe(view, [&](std::uint16_t value, Observation& thing) {
+  const auto owner = impl_->observe(view, true, [&](std::uint16_t value, Observation& thing) {
     const SegmentClass& named = class_of[static_cast<std::size_t>(value - kFirstInstance)];
     thing.class_id = named.id;
     thing.votes = named.votes;

@@ -102,10 +102,10 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
     const Observation& unclaimed = extraction.observations[static_cast<std::size_t>(association.unclaimed[u])];
     if (!inside_known(unclaimed, reach, stands)) start(unclaimed, association.unclaimed_owner[u], view);
   }
+  learn_depths(reach);
   divide(reach, step);
   merge_duplicates(association, reach, step);
   join_halves(association, reach, view, step);
-  learn_depths();
   drop_unbelieved(view.stamp, step);
   refresh_waiting(view.stamp);
   desk_.decide(view.stamp, step.events);
@@ -130,6 +130,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
                          const SurfaceLook& look) {
   const Observation& first = extraction.observations[static_cast<std::size_t>(match.observations[0])];
   object.class_votes[first.class_id] += first.votes;
+  object.class_binds = first.class_binds;
   if (match.known_surface) {
     BeliefOptions belief = options_.belief;
     double noise = 0.0;
@@ -176,6 +177,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   if (extent < object_class.min_extent_m || extent > object_class.max_extent_m) return;
   auto object = std::make_unique<MapObject>(next_id_++, volume_options_);
   object->class_votes[observation.class_id] = observation.votes;
+  object->class_binds = observation.class_binds;
   object->belief = initial_belief(object_class, options_.belief);
   object->T_world_volume = upright(observation.box.center, observation.box.yaw);
   object->first_seen = object->last_seen = view.stamp;

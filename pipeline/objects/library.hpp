@@ -95,7 +95,7 @@ class ObjectLibrary {
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
   double deepest_m(const MapObject& object) const;  // that a thing of its class is taken to be where it was not seen
-  void learn_depths();
+  void learn_depths(const std::vector<MapObject*>& reach);
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
 
   ObjectOptions options_;
@@ -115,6 +115,13 @@ class ObjectLibrary {
     std::int32_t slot = -1;
   };
   std::unordered_map<std::int64_t, Owned> owner_of_landmark_;
+  struct KnownDepth {
+    std::int64_t object;
+    std::uint16_t class_id;
+    Eigen::Vector2d at;  // world
+    double bottom_m, depth_m;
+  };
+  std::vector<KnownDepth> known_depths_;
   struct OldPlace {  // of an object that went
     Box box;
     TimeNs last_present = 0;

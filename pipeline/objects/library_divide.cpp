@@ -31,6 +31,7 @@ std::unique_ptr<MapObject> ObjectLibrary::cut_at(const FencePlane& plane, MapObj
       object.volume, [&](const Eigen::Vector3f& p_volume) { return plane.distance_m(p_volume.cast<double>()) > 0.0; });
   part->phase = object.phase;
   part->class_votes = object.class_votes;
+  part->class_binds = object.class_binds;
   part->belief = object.belief;
   part->T_world_volume = object.T_world_volume;
   part->first_seen = object.first_seen;
