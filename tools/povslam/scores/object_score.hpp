@@ -1,5 +1,6 @@
 // The object library against the true boxes: matched one-to-one at box IoU >= min_iou, whatever the class (a label
-// source may know fewer). Boxes of one class that touch count as one, in the truth and in the report alike.
+// source may know fewer). Boxes of one class that touch count as one, in the truth and in the report alike; each_box in
+// the report: no two are joined.
 #pragma once
 
 #include <span>

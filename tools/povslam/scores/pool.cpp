@@ -80,7 +80,10 @@ Json pool(const std::vector<Json>& runs) {
   if (!trajectories.empty()) pooled["trajectory"] = pool_trajectories(trajectories);
   for (const char* name : {"events", "objects"}) {
     const std::vector<Json> sections = sections_of(runs, name);
-    if (!sections.empty()) pooled[name] = sum_counts(sections, kVerdictCounts);
+    if (sections.empty()) continue;
+    pooled[name] = sum_counts(sections, kVerdictCounts);
+    const std::vector<Json> each_box = sections_of(sections, "each_box");
+    if (!each_box.empty()) pooled[name]["each_box"] = sum_counts(each_box, kVerdictCounts);
   }
   for (const char* name : {"voxels", "voxels_against_reference_map"}) {
     const std::vector<Json> sections = sections_of(runs, name);

@@ -175,11 +175,15 @@ Json report_objects(const SceneTruth& truth, const Sightings* sightings, const s
   std::vector<ScoredObject> reported;
   for (const ReportedObject& object : objects)
     reported.push_back({object.class_name, moved(T_truth_estimate, object.box)});
+  std::vector<ScoredObject> wanted = true_objects(truth, sightings, options);
+  Json each_box = counts_json(score_objects(wanted, reported, options.min_iou));
+  add_ratios(each_box);
   reported = join_touching(reported, options.touch_gap_m);
-  const std::vector<ScoredObject> wanted = join_touching(true_objects(truth, sightings, options), options.touch_gap_m);
+  wanted = join_touching(wanted, options.touch_gap_m);
   const Verdict verdict = score_objects(wanted, reported, options.min_iou);
   Json json = counts_json(verdict);
   add_ratios(json);
+  json["each_box"] = std::move(each_box);
   if (verdict.matched.empty()) return json;
   double iou = 0.0, position_m = 0.0, yaw_rad = 0.0;
   std::size_t same_class = 0;

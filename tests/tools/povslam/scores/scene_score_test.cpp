@@ -132,6 +132,16 @@ TEST(ObjectScore, OneLibraryObjectPerTrueBoxAndTheRestIsWrong) {
   EXPECT_EQ(report_objects(small_scene(), nullptr, library, Rigid3{}, before).at("matched"), 1);
 }
 
+TEST(ObjectScore, BoxesThatTouchAreOneAndAreCountedByThemselvesAsWell) {
+  const std::vector<ReportedObject> library{
+      {"box", box_at(5.0, 0.0)}, {"box", box_at(5.0, 0.62)}, {"box", box_at(5.0, 5.0)}};
+  const auto json = report_objects(small_scene(), nullptr, library, Rigid3{}, {});
+  EXPECT_EQ(json.at("reported"), 2);
+  EXPECT_EQ(json.at("matched"), 1);
+  EXPECT_EQ(json.at("each_box").at("reported"), 3);
+  EXPECT_EQ(json.at("each_box").at("matched"), 2);
+}
+
 TEST(ObjectScore, HalfTheUnionIsEnoughAndLessIsNot) {
   const std::vector<ScoredObject> truth{{"box", box_at(0.0, 0.0)}};
   EXPECT_EQ(score_objects(truth, std::vector<ScoredObject>{{"box", box_at(0.33, 0.0)}}, 0.5).matched.size(), 1u);
