@@ -134,7 +134,7 @@ TEST(ObjectScore, OneLibraryObjectPerTrueBoxAndTheRestIsWrong) {
 
 TEST(ObjectScore, BoxesThatTouchAreOneAndAreCountedByThemselvesAsWell) {
   const std::vector<ReportedObject> library{
-      {"box", box_at(5.0, 0.0)}, {"box", box_at(5.0, 0.62)}, {"box", box_at(5.0, 5.0)}};
+      {"box", box_at(5.0, 0.0)}, {"box", box_at(5.0, 0.61)}, {"box", box_at(5.0, 5.0)}};
   const auto json = report_objects(small_scene(), nullptr, library, Rigid3{}, {});
   EXPECT_EQ(json.at("reported"), 2);
   EXPECT_EQ(json.at("matched"), 1);
