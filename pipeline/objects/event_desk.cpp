@@ -145,6 +145,12 @@ double EventDesk::pairing(const PlaceChange& gone, const PlaceChange& came, bool
   return 1.0 + looks - kPerMetre * std::min(distance_m, options_.max_near_m);
 }
 
+// Its first views show a side of it: the middle of that is decimetres from its own.
+bool EventDesk::settled(const PlaceChange& came, TimeNs now) const {
+  constexpr TimeNs kOutOfView = kNsPerSecond;
+  return came.decided <= now - options_.settle || came.evidence.last_present < now - kOutOfView;
+}
+
 // The pair that goes together best becomes an event; false: there is none.
 bool EventDesk::pair_best(TimeNs now, std::vector<ObjectEvent>& events) {
   struct Pair {
@@ -155,6 +161,7 @@ bool EventDesk::pair_best(TimeNs now, std::vector<ObjectEvent>& events) {
   for (const bool noticed : {true, false}) {
     std::vector<PlaceChange>& things = noticed ? came_ : found_;
     for (auto to = things.begin(); to != things.end(); ++to) {
+      if (!settled(*to, now)) continue;
       for (auto from = gone_.begin(); from != gone_.end(); ++from) {
         const double score = pairing(*from, *to, noticed, now - options_.hold);
         if (score > best.score) best = {score, from, to, noticed};

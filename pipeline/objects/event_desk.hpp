@@ -28,10 +28,11 @@ struct PlaceChange {  // a thing went from a place, or came to one
 };
 
 struct EventDeskOptions {
-  TimeNs hold = 8 * kNsPerSecond;       // an event waits so long for its other half
-  double max_size_ratio = 1.35;         // between two looks at one thing, each extent…
-  double min_likeness = 0.3;            // of their looks, where both are known
-  double max_near_m = 3.0;              // what moved further is paired only when nothing nearer came up in the meantime
+  TimeNs hold = 8 * kNsPerSecond;    // an event waits so long for its other half
+  TimeNs settle = 4 * kNsPerSecond;  // one that came is looked at so long, while it is seen, before its place is told
+  double max_size_ratio = 1.35;      // between two looks at one thing, each extent…
+  double min_likeness = 0.3;         // of their looks, where both are known
+  double max_near_m = 3.0;           // what moved further is paired only when nothing nearer came up in the meantime
   double min_unnoticed_likeness = 0.5;  // of the looks of a thing that went and one whose coming was not noticed…
   double max_beside_m = 1.5;            // …or min_likeness, when nothing better came up: it stands no further off
   double min_smaller_likeness = 0.75;   // of a thing that went and looked smaller: others hid a part of it
@@ -68,6 +69,7 @@ class EventDesk {
   enum class Size : std::uint8_t { same, seen_in_part, smaller, another };
   Size compare(const PlaceChange& gone, const PlaceChange& came) const;
   double pairing(const PlaceChange& gone, const PlaceChange& came, bool noticed, TimeNs until) const;
+  bool settled(const PlaceChange& came, TimeNs now) const;
   bool pair_best(TimeNs now, std::vector<ObjectEvent>& events);
 
   EventDeskOptions options_;

@@ -151,7 +151,7 @@ TEST_F(DriftAndLoop, EmptySpaceSeenInDriftDoesNotMakeThingsAppear) {
 // Held back at the desk while the map is corrected: the event tells the corrected place.
 TEST_F(DriftAndLoop, AnEventNotYetToldTellsTheCorrectedPlace) {
   world.things = {{second}};
-  look({5.0, -2.0}, 12, kDrifted, T_drift);
+  look({5.0, -2.0}, 20, kDrifted, T_drift);  // longer than what passes by
   world.things.clear();
   look({5.0, -2.0}, 6, kDrifted, T_drift);
   ASSERT_TRUE(understanding->objects().empty());

@@ -44,6 +44,34 @@ TEST_F(EventDeskTest, TellsAMoveOnceWhenWhatWentIsFoundElsewhere) {
   EXPECT_EQ(events.size(), 1U);
 }
 
+TEST_F(EventDeskTest, LooksAtWhatCameBeforeItTellsWhere) {
+  PlaceChange came = thing(2, 1.5, from_seconds(12));
+  came.evidence.last_present = from_seconds(12);
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.came(came);
+  for (int t = 12; t < 16; ++t) {
+    came.place.position.x() = 1.5 + 0.1 * (t - 11);
+    came.evidence.last_present = from_seconds(t);
+    desk.refresh(came);
+    decide(t);
+    EXPECT_TRUE(events.empty()) << t;
+  }
+  decide(16.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_NEAR(events[0].place.position.x(), 1.9, 1e-9);
+}
+
+TEST_F(EventDeskTest, TellsWhereAThingCameWhenItIsOutOfView) {
+  PlaceChange came = thing(2, 1.5, from_seconds(12));
+  came.evidence.last_present = from_seconds(12);
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.came(came);
+  decide(13.0);
+  EXPECT_TRUE(events.empty());
+  decide(13.1);
+  EXPECT_EQ(events.size(), 1U);
+}
+
 TEST_F(EventDeskTest, AThingWithoutANameMayBeOneThatHasOne) {
   desk.gone(thing(1, 0.0, from_seconds(10), "chair"));
   PlaceChange unnamed = thing(2, 1.5, from_seconds(12), "object");
