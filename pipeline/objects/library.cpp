@@ -105,7 +105,10 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   divide(reach, step);
   merge_duplicates(association, reach, step);
   join_halves(association, reach, view, step);
-  learn_depths();
+  learn_extents();
+  for (const auto& object : objects_) {
+    if (object->last_seen == view.stamp) settle(*object);
+  }
   drop_unbelieved(view.stamp, step);
   refresh_waiting(view.stamp);
   desk_.decide(view.stamp, step.events);
@@ -153,7 +156,8 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   integrate(object.volume, view, match.owner, object.T_world_volume, integrate_options_);
   integrated_.push_back(match.owner);
   object.looks += look_weight(first.median_depth_m, integrate_options_);
-  refresh_shape(object, shape_weight(object), deepest_m(object));
+  reshape(object);
+  object.hidden.look(object.seen, object.T_world_volume, view);
 }
 
 // Absence is believed where the camera saw through the object's place; what still stands and was only not told apart
@@ -182,7 +186,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   object->observations = 1;
   integrate(object->volume, view, owner, object->T_world_volume, integrate_options_);
   object->looks = look_weight(observation.median_depth_m, integrate_options_);
-  refresh_shape(*object, shape_weight(*object), deepest_m(*object));
+  reshape(*object);
   if (std::ssize(object->surface) < options_.extract.min_points / 2) return;
   const Observation* seen = &observation;
   note_fences(*object, {&seen, 1}, view.stamp);
@@ -323,7 +327,7 @@ void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow*
       object->looks = std::max(object->looks, static_cast<double>(weight) / kWeightUnits);
     }
   }
-  refresh_shape(*object, shape_weight(*object), deepest_m(*object));
+  reshape(*object);
   for (const std::int64_t landmark : record.landmarks) owner_of_landmark_[landmark] = {record.id, -1};
   next_id_ = std::max(next_id_, record.id + 1);
   objects_.push_back(std::move(object));

@@ -95,7 +95,10 @@ class ObjectLibrary {
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
   double deepest_m(const MapObject& object) const;  // that a thing of its class is taken to be where it was not seen
-  void learn_depths();
+  void learn_extents();
+  void reshape(MapObject& object) const;  // after its volume changed
+  void keep_apart(const MapObject& object, int along, std::array<double, 2>& reach_m) const;
+  void settle(MapObject& object) const;  // its box: what was seen, what is assumed, between its neighbours
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
 
   ObjectOptions options_;
@@ -105,7 +108,11 @@ class ObjectLibrary {
   ObjectClass unknown_class_;
   std::vector<std::unique_ptr<MapObject>> objects_;
   std::int64_t next_id_ = 1;
-  std::map<std::uint16_t, double> deepest_m_;                    // by class, of those that showed enough
+  struct Extents {  // that things of a class are wont to have, of those that showed enough
+    double deepest_m = kDeepest_m;
+    double width_m = 0.0, height_m = 0.0;  // of the front; 0: not known
+  };
+  std::map<std::uint16_t, Extents> extents_;                     // by class
   std::map<std::pair<std::int64_t, std::int64_t>, int> halves_;  // by ids: views that hid what is between them
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view

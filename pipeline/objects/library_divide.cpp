@@ -40,8 +40,8 @@ std::unique_ptr<MapObject> ObjectLibrary::cut_at(const FencePlane& plane, MapObj
   part->looks = object.looks;
   part->announced = object.announced;
   part->fences = object.fences;
-  refresh_shape(*part, shape_weight(*part), deepest_m(*part));
-  refresh_shape(object, shape_weight(object), deepest_m(object));
+  reshape(*part);
+  reshape(object);
   return part;
 }
 

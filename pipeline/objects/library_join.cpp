@@ -43,7 +43,7 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
         (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap))
       continue;
     merge_into(*a, *b);
-    refresh_shape(*a, shape_weight(*a), deepest_m(*a));
+    reshape(*a);
     merged.push_back(b->id);
     heirs.push_back(a->id);
   }
@@ -76,7 +76,7 @@ void ObjectLibrary::join_halves(const Association& association, const std::vecto
       const double least_looks = std::min(into->looks, from->looks);
       merge_into(*into, *from);
       into->looks = least_looks;  // at any of its surface: each half had its own
-      refresh_shape(*into, shape_weight(*into), deepest_m(*into));
+      reshape(*into);
       joined.emplace_back(from->id, into->id);
     }
   }

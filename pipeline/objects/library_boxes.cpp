@@ -1,0 +1,135 @@
+// What is assumed of things' boxes where they were not seen: as things of their class are wont to be, between their
+// neighbours.
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/objects/library.hpp"
+
+namespace povslam {
+namespace {
+
+constexpr std::size_t kEnough = 5;
+constexpr double kApart_m = 0.03;  // closer than that no view tells two things apart
+
+// The value at a share of all; nothing of fewer than enough.
+std::optional<double> at_share(std::vector<double>& values, double share) {
+  if (values.size() < kEnough) return std::nullopt;
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+
+// Of a neighbour, in the frame of the object's box; nothing if it stands askew to it.
+std::optional<Eigen::AlignedBox3d> beside(const MapObject& object, const MapObject& other) {
+  constexpr double kAskew = 0.5;  // sine of twice the angle
+  const Rigid3 T_object_other = object.T_world_volume.inverse() * other.T_world_volume;
+  const Box box = MapObject::moved(other.seen.box, T_object_other);
+  const double turn = box.yaw - object.seen.box.yaw;
+  if (std::abs(std::sin(2.0 * turn)) > kAskew) return std::nullopt;
+  const double c = std::abs(std::cos(turn)), s = std::abs(std::sin(turn));
+  const Eigen::Vector3d half = 0.5 * Eigen::Vector3d(c * box.size_m.x() + s * box.size_m.y(),
+                                                     s * box.size_m.x() + c * box.size_m.y(), box.size_m.z());
+  const Eigen::Vector3d center =
+      Eigen::AngleAxisd(-object.seen.box.yaw, Eigen::Vector3d::UnitZ()) * (box.center - object.seen.box.center);
+  return Eigen::AlignedBox3d(center - half, center + half);
+}
+
+// Of the seen box, in its own frame.
+Eigen::AlignedBox3d extent(const Box& box) {
+  return {-0.5 * box.size_m, 0.5 * box.size_m};
+}
+
+bool side_by_side(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, int along) {
+  constexpr double kShared = 0.3;
+  for (const int axis : {1 - along, 2}) {
+    const double both_m = std::min(a.max()[axis], b.max()[axis]) - std::max(a.min()[axis], b.min()[axis]);
+    if (both_m < kShared * std::min(a.sizes()[axis], b.sizes()[axis])) return false;
+  }
+  return true;
+}
+
+// How much further than it was seen an end may reach towards a neighbour that was seen gap_m beyond it. Less than
+// nothing: views that told them apart showed a gap. Into it reaches neither, unless one lies within the other.
+double may_reach(double gap_m, bool both) {
+  constexpr double kMost_m = 0.08;
+  if (gap_m >= kApart_m) return both ? 0.5 * (gap_m - kApart_m) : gap_m - kApart_m;
+  const double back_m = 0.5 * (kApart_m - gap_m);
+  return back_m > kMost_m ? 0.0 : -back_m;
+}
+
+}  // namespace
+
+double ObjectLibrary::deepest_m(const MapObject& object) const {
+  const auto known = extents_.find(object.class_id());
+  return known == extents_.end() ? kDeepest_m : known->second.deepest_m;
+}
+
+// Something before or beside it may hide where a side ends, so that each is seen to be so deep at least.
+void ObjectLibrary::learn_extents() {
+  constexpr double kMost = 0.9, kHalf = 0.5, kHardly_m = 0.01;
+  struct Seen {
+    std::vector<double> depths, widths, heights;
+  };
+  std::map<std::uint16_t, Seen> seen;
+  for (const auto& object : objects_) {
+    if (object->phase != ObjectPhase::confirmed) continue;
+    Seen& of_class = seen[object->class_id()];
+    if (const auto depth_m = depth_seen(object->seen)) of_class.depths.push_back(*depth_m);
+    const auto front = front_side(object->seen);
+    if (!front) continue;
+    const HiddenReach reach = object->hidden.reach(object->seen);
+    if (reach.minus_m + reach.plus_m <= 0.0) of_class.widths.push_back(object->seen.box.size_m[front->along()]);
+    if (reach.below_m <= 0.0) of_class.heights.push_back(object->seen.box.size_m.z());
+  }
+  for (auto& [id, all] : seen) {
+    Extents& known = extents_[id];
+    const Extents before = known;
+    if (const auto depth_m = at_share(all.depths, kMost)) known.deepest_m = std::min(*depth_m, kDeepest_m);
+    if (const auto width_m = at_share(all.widths, kHalf)) known.width_m = *width_m;
+    if (const auto height_m = at_share(all.heights, kHalf)) known.height_m = *height_m;
+    const auto differs = [&](double Extents::*extent) { return std::abs(known.*extent - before.*extent) >= kHardly_m; };
+    if (!differs(&Extents::deepest_m) && !differs(&Extents::width_m) && !differs(&Extents::height_m)) {
+      known = before;
+      continue;
+    }
+    for (const auto& object : objects_) {
+      if (object->class_id() == id) settle(*object);
+    }
+  }
+}
+
+void ObjectLibrary::reshape(MapObject& object) const {
+  refresh_shape(object, shape_weight(object), deepest_m(object));
+  settle(object);
+}
+
+// Nearest neighbours beyond the ends of its front limit how far these may reach.
+void ObjectLibrary::keep_apart(const MapObject& object, int along, std::array<double, 2>& reach_m) const {
+  const Eigen::AlignedBox3d own = extent(object.seen.box);
+  const double near_m = object.seen.box.size_m.norm() + kDeepest_m;
+  for (const auto& other : objects_) {
+    if (other.get() == &object || other->phase != ObjectPhase::confirmed || other->first_absent) continue;
+    if (other->class_id() != object.class_id()) continue;
+    if ((other->T_world_volume.translation - object.T_world_volume.translation).norm() > near_m) continue;
+    const auto beyond = beside(object, *other);
+    if (!beyond || !side_by_side(own, *beyond, along)) continue;
+    const bool plus = beyond->center()[along] > 0.0;
+    const double gap_m = plus ? beyond->min()[along] - own.max()[along] : own.min()[along] - beyond->max()[along];
+    double& limit_m = reach_m[plus ? 1 : 0];
+    limit_m = std::min(limit_m, may_reach(gap_m, other->hidden.any()));
+  }
+}
+
+void ObjectLibrary::settle(MapObject& object) const {
+  const auto known = extents_.find(object.class_id());
+  const auto front = front_side(object.seen);
+  if (known == extents_.end() || !front) return;
+  const Extents& usual = known->second;
+  HiddenReach hidden = object.hidden.reach(object.seen);
+  std::array<double, 2> reach_m = {hidden.minus_m, hidden.plus_m};
+  keep_apart(object, front->along(), reach_m);
+  hidden.minus_m = reach_m[0], hidden.plus_m = reach_m[1];
+  object.box = with_depth(grown(object.seen, hidden, usual.width_m, usual.height_m), usual.deepest_m);
+}
+
+}  // namespace povslam
