@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pipeline/objects/library.hpp"
+#include "pipeline/objects/neighbours.hpp"
 
 namespace povslam {
 namespace {
@@ -17,35 +18,6 @@ std::optional<double> at_share(std::vector<double>& values, double share) {
   const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::ranges::nth_element(values, at);
   return *at;
-}
-
-// Of a neighbour, in the frame of the object's box; nothing if it stands askew to it.
-std::optional<Eigen::AlignedBox3d> beside(const MapObject& object, const MapObject& other) {
-  constexpr double kAskew = 0.5;  // sine of twice the angle
-  const Rigid3 T_object_other = object.T_world_volume.inverse() * other.T_world_volume;
-  const Box box = MapObject::moved(other.seen.box, T_object_other);
-  const double turn = box.yaw - object.seen.box.yaw;
-  if (std::abs(std::sin(2.0 * turn)) > kAskew) return std::nullopt;
-  const double c = std::abs(std::cos(turn)), s = std::abs(std::sin(turn));
-  const Eigen::Vector3d half = 0.5 * Eigen::Vector3d(c * box.size_m.x() + s * box.size_m.y(),
-                                                     s * box.size_m.x() + c * box.size_m.y(), box.size_m.z());
-  const Eigen::Vector3d center =
-      Eigen::AngleAxisd(-object.seen.box.yaw, Eigen::Vector3d::UnitZ()) * (box.center - object.seen.box.center);
-  return Eigen::AlignedBox3d(center - half, center + half);
-}
-
-// Of the seen box, in its own frame.
-Eigen::AlignedBox3d extent(const Box& box) {
-  return {-0.5 * box.size_m, 0.5 * box.size_m};
-}
-
-bool side_by_side(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, int along) {
-  constexpr double kShared = 0.3;
-  for (const int axis : {1 - along, 2}) {
-    const double both_m = std::min(a.max()[axis], b.max()[axis]) - std::max(a.min()[axis], b.min()[axis]);
-    if (both_m < kShared * std::min(a.sizes()[axis], b.sizes()[axis])) return false;
-  }
-  return true;
 }
 
 // How much further than it was seen an end may reach towards a neighbour that was seen gap_m beyond it. Less than
@@ -105,18 +77,15 @@ void ObjectLibrary::reshape(MapObject& object) const {
 
 // Nearest neighbours beyond the ends of its front limit how far these may reach.
 void ObjectLibrary::keep_apart(const MapObject& object, int along, std::array<double, 2>& reach_m) const {
-  const Eigen::AlignedBox3d own = extent(object.seen.box);
   const double near_m = object.seen.box.size_m.norm() + kDeepest_m;
   for (const auto& other : objects_) {
     if (other.get() == &object || other->phase != ObjectPhase::confirmed || other->first_absent) continue;
     if (other->class_id() != object.class_id()) continue;
     if ((other->T_world_volume.translation - object.T_world_volume.translation).norm() > near_m) continue;
-    const auto beyond = beside(object, *other);
-    if (!beyond || !side_by_side(own, *beyond, along)) continue;
-    const bool plus = beyond->center()[along] > 0.0;
-    const double gap_m = plus ? beyond->min()[along] - own.max()[along] : own.min()[along] - beyond->max()[along];
-    double& limit_m = reach_m[plus ? 1 : 0];
-    limit_m = std::min(limit_m, may_reach(gap_m, other->hidden.any()));
+    const auto beyond = neighbour(object, *other, along);
+    if (!beyond) continue;
+    double& limit_m = reach_m[beyond->plus ? 1 : 0];
+    limit_m = std::min(limit_m, may_reach(beyond->gap_m, other->hidden.any()));
   }
 }
 

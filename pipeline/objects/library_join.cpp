@@ -5,6 +5,7 @@
 #include "pipeline/objects/halves.hpp"
 #include "pipeline/objects/library.hpp"
 #include "pipeline/objects/merge.hpp"
+#include "pipeline/objects/neighbours.hpp"
 
 namespace povslam {
 namespace {
@@ -92,6 +93,7 @@ bool ObjectLibrary::are_halves(const MapObject& a, const MapObject& b, const Dep
   if (tentative || a.class_id() != b.class_id() || fenced_apart(a, b)) return false;
   if ((a.box_world().center - b.box_world().center).norm() > kNear_m) return false;
   if (!may_be_halves(a, b, widest_m(a))) return false;
+  if (hidden_between(a, b) || hidden_between(b, a)) return true;
   int& hidden = halves_[std::minmax(a.id, b.id)];
   const Between between = look_between(a, b, view);
   if (between == Between::hidden) ++hidden;
