@@ -109,6 +109,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   for (const auto& object : objects_) {
     if (object->last_seen == view.stamp) settle(*object);
   }
+  absorb_fragments(view.stamp, step);
   drop_unbelieved(view.stamp, step);
   refresh_waiting(view.stamp);
   desk_.decide(view.stamp, step.events);

@@ -77,6 +77,7 @@ class ObjectLibrary {
   void confirm(MapObject& object, const EmptySpace& empty);
   void join_halves(const Association& association, const std::vector<MapObject*>& reach, const DepthView& view,
                    LibraryStep& step);
+  void absorb_fragments(TimeNs now, LibraryStep& step);
   bool are_halves(const MapObject& a, const MapObject& b, const DepthView& view, int views);
   double widest_m(const MapObject& object) const;
   void divide(const std::vector<MapObject*>& reach, LibraryStep& step);

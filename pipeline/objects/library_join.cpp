@@ -13,6 +13,17 @@ namespace {
 constexpr std::size_t kEnough = 10;
 constexpr double kMost = 0.9;
 
+// Much smaller, and most of its surface within the other's box.
+bool is_fragment_of(const MapObject& part, const MapObject& whole) {
+  constexpr double kGrow_m = 0.05, kSmaller = 0.5, kWithin = 0.6;
+  if (static_cast<double>(part.surface.size()) > kSmaller * static_cast<double>(whole.surface.size())) return false;
+  const Rigid3 T_whole_part = whole.T_world_volume.inverse() * part.T_world_volume;
+  const auto inside = std::ranges::count_if(part.surface, [&](const SurfacePoint& point) {
+    return whole.box.contains(T_whole_part * point.p_volume.cast<double>(), kGrow_m);
+  });
+  return static_cast<double>(inside) > kWithin * static_cast<double>(part.surface.size());
+}
+
 }  // namespace
 
 // How wide things of its class are wont to be, where enough of them are known; else nothing is.
@@ -51,6 +62,26 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
   for (std::size_t i = 0; i < merged.size(); ++i) {
     desk_.withdraw(merged[i]);
     erase(merged[i], heirs[i], step);
+  }
+}
+
+// As an observation that lies within a thing begins no object, so an object that does is none: a side of the thing
+// that was seen before the thing was known to reach there.
+void ObjectLibrary::absorb_fragments(TimeNs now, LibraryStep& step) {
+  std::vector<MapObject*> seen;
+  for (const auto& object : objects_) {
+    if (object->phase == ObjectPhase::confirmed && object->last_seen == now) seen.push_back(object.get());
+  }
+  std::vector<std::pair<std::int64_t, std::int64_t>> absorbed;  // from, into
+  for (const MapObject* part : seen) {
+    const auto whole = std::ranges::find_if(seen, [part](const MapObject* other) {
+      return other != part && other->class_id() == part->class_id() && is_fragment_of(*part, *other);
+    });
+    if (whole != seen.end()) absorbed.emplace_back(part->id, (*whole)->id);
+  }
+  for (const auto& [from, into] : absorbed) {
+    desk_.withdraw(from);
+    erase(from, into, step);
   }
 }
 
