@@ -159,6 +159,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   object.looks += look_weight(first.median_depth_m, integrate_options_);
   reshape(object);
   object.hidden.look(object.seen, object.T_world_volume, view);
+  look_for_groove(object, match.owner, view);
 }
 
 // Absence is believed where the camera saw through the object's place; what still stands and was only not told apart

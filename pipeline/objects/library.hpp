@@ -80,6 +80,7 @@ class ObjectLibrary {
   void absorb_fragments(TimeNs now, LibraryStep& step);
   bool are_halves(const MapObject& a, const MapObject& b, const DepthView& view, int views);
   double widest_m(const MapObject& object) const;
+  void look_for_groove(MapObject& object, std::uint16_t owner, const DepthView& view);
   void divide(const std::vector<MapObject*>& reach, LibraryStep& step);
   std::unique_ptr<MapObject> cut_at(const FencePlane& plane, MapObject& object);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);

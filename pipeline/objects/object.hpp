@@ -11,6 +11,7 @@
 #include "pipeline/mapping/volume.hpp"
 #include "pipeline/objects/box_fit.hpp"
 #include "pipeline/objects/fence.hpp"
+#include "pipeline/objects/front_profile.hpp"
 #include "pipeline/objects/hidden_ends.hpp"
 #include "pipeline/objects/object_event.hpp"
 
@@ -39,6 +40,7 @@ struct MapObject {
   std::optional<TimeNs> part_first_absent;
   SeenBox seen;  // of the surface, in the volume's frame
   HiddenEnds hidden;
+  std::optional<FrontProfile> profile;  // while it is wider than its kind
   Box box;  // the same with what is assumed of the sides not seen
 
   TimeNs first_seen = 0, last_seen = 0;
