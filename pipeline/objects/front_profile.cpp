@@ -9,7 +9,7 @@ namespace povslam {
 namespace {
 
 constexpr double kBin_m = 0.02;
-constexpr double kOff_m = 0.2;                            // from the plane: not the front
+constexpr double kBehind_m = 0.2, kBefore_m = 0.06;       // the plane: neither the front nor a groove in it
 constexpr int kInner = 2, kNear = 3, kFar = 6, kEnd = 8;  // bins: the groove's, of either side, left at the ends
 
 }  // namespace
@@ -35,7 +35,8 @@ void FrontProfile::add(const DepthView& view, std::uint16_t owner, const Rigid3&
   if (away_m <= 0.0) return;
   for (int y = 0; y < view.camera.height; ++y) {
     for (int x = 0; x < view.camera.width; ++x) {
-      if (view.owner.at(x, y) != owner) continue;
+      const std::uint16_t of = view.owner.at(x, y);
+      if (of != owner && of != kNobody) continue;  // a view's own grooves are nobody's
       const double z = static_cast<double>(view.depth_m.at(x, y));
       const Eigen::Vector3d ray =
           T_volume_camera.rotation *
@@ -46,7 +47,8 @@ void FrontProfile::add(const DepthView& view, std::uint16_t owner, const Rigid3&
       const Eigen::Vector3d on_plane = camera + away_m / toward * ray;
       const auto bin = static_cast<int>(std::floor((along_.dot(on_plane - origin_) + half_m_) / kBin_m));
       const auto band = static_cast<int>(std::floor((on_plane.z() - low_m_) / height_m_ * kBands));
-      if (std::abs(before_m) > kOff_m || bin < 0 || bin >= bins_ || band < 0 || band >= kBands) continue;
+      if (before_m < -kBehind_m || before_m > kBefore_m) continue;
+      if (bin < 0 || bin >= bins_ || band < 0 || band >= kBands) continue;
       const double sigma_m = sigma_quadratic_per_m * z * z * toward, weight = 1.0 / (sigma_m * sigma_m);
       Bin& into = profile_[static_cast<std::size_t>(band)][static_cast<std::size_t>(bin)];
       into.weight += weight;
@@ -68,34 +70,26 @@ std::optional<FrontProfile::Mean> FrontProfile::mean(int band, int from, int to)
   return Mean{all.sum / all.weight, 1.0 / all.weight};
 }
 
-std::optional<double> FrontProfile::dip_m(int bin) const {
+std::optional<double> FrontProfile::dip_m(int band, int bin) const {
   constexpr double kLeast_m = 0.004, kSigmas = 4.0;
-  double sum_m = 0.0, variance_m2 = 0.0;
-  int bands = 0;
-  for (int band = 0; band < kBands; ++band) {
-    const auto left = mean(band, bin - kFar, bin - kNear + 1),
-               right = mean(band, bin + kInner + kNear - 1, bin + kInner + kFar);
-    const auto inner = mean(band, bin, bin + kInner);
-    if (!left || !right || !inner) continue;
-    const double dip_m = std::min(left->value_m, right->value_m) - inner->value_m;
-    if (dip_m < kLeast_m) return std::nullopt;
-    sum_m += dip_m;
-    variance_m2 += inner->variance_m2 + std::max(left->variance_m2, right->variance_m2);
-    ++bands;
-  }
-  if (bands == 0 || sum_m < kSigmas * std::sqrt(variance_m2)) return std::nullopt;
-  return sum_m / bands;
+  const auto left = mean(band, bin - kFar, bin - kNear + 1),
+             right = mean(band, bin + kInner + kNear - 1, bin + kInner + kFar), inner = mean(band, bin, bin + kInner);
+  if (!left || !right || !inner) return std::nullopt;
+  const double dip_m = std::min(left->value_m, right->value_m) - inner->value_m;
+  const double variance_m2 = inner->variance_m2 + std::max(left->variance_m2, right->variance_m2);
+  return dip_m > kLeast_m && dip_m > kSigmas * std::sqrt(variance_m2) ? std::optional(dip_m) : std::nullopt;
 }
 
 std::optional<Eigen::Vector2d> FrontProfile::groove() const {
-  constexpr double kDeep_m = 0.007;
-  double deepest_m = kDeep_m;
+  double deepest_m = 0.0;
   int at = -1;
-  for (int bin = kEnd; bin + kInner + kEnd <= bins_; ++bin) {
-    const auto dip = dip_m(bin);
-    if (!dip || *dip <= deepest_m) continue;
-    deepest_m = *dip;
-    at = bin;
+  for (int band = 0; band + 1 < kBands; ++band) {
+    for (int bin = kEnd; bin + kInner + kEnd <= bins_; ++bin) {
+      const auto lower = dip_m(band, bin), upper = dip_m(band + 1, bin);
+      if (!lower || !upper || *lower + *upper <= deepest_m) continue;
+      deepest_m = *lower + *upper;
+      at = bin;
+    }
   }
   if (at < 0) return std::nullopt;
   const double u_m = (at + 0.5 * kInner) * kBin_m - half_m_;

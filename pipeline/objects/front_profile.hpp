@@ -19,7 +19,7 @@ class FrontProfile {
   // The owner's pixels of a view. sigma_quadratic_per_m: of the depth.
   void add(const DepthView& view, std::uint16_t owner, const Rigid3& T_world_volume, double sigma_quadratic_per_m);
 
-  // Where a groove runs up the front, along all the height that both its sides have; horizontal, volume's frame.
+  // Where a groove runs up half of the front (one side of it may be lower); horizontal, volume's frame.
   std::optional<Eigen::Vector2d> groove() const;
   Eigen::Vector2d along() const { return along_.head<2>(); }
 
@@ -32,7 +32,7 @@ class FrontProfile {
     double value_m = 0.0, variance_m2 = 0.0;
   };
   std::optional<Mean> mean(int band, int from, int to) const;
-  std::optional<double> dip_m(int bin) const;  // how far it lies behind both sides
+  std::optional<double> dip_m(int band, int bin) const;  // how far it lies behind both sides; none: not clearly
 
   Eigen::Vector3d origin_, normal_, along_;  // of the front's middle, volume's frame
   double low_m_, height_m_, half_m_;
