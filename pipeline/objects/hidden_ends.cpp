@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "pipeline/objects/object.hpp"
 
@@ -92,6 +93,7 @@ HiddenEnds::Votes HiddenEnds::of(const Spot& spot) const {
 void HiddenEnds::look(const SeenBox& seen, const Rigid3& T_world_volume, const DepthView& view) {
   const auto side = front_side(seen);
   if (!side) return;
+  ++views_;
   const Frame front = frame_of(seen, *side);
   const Rigid3 T_camera_volume = view.T_world_camera.inverse() * T_world_volume;
   const Eigen::Vector3d toward = (T_camera_volume.inverse().translation - front.origin).normalized();
@@ -105,6 +107,7 @@ void HiddenEnds::look(const SeenBox& seen, const Rigid3& T_world_volume, const D
     if (unseen > 1) return;
     for (const Spot& spot : spots) {
       Votes& votes = spots_[spot];
+      if (std::exchange(votes.last_view, views_) == views_) continue;
       std::uint8_t& count = behind > 0 ? votes.behind : at > 0 ? votes.at : votes.hidden;
       if (count < 255) ++count;
     }

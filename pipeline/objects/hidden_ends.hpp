@@ -38,14 +38,15 @@ class HiddenEnds {
   bool any() const { return !spots_.empty(); }
 
  private:
-  struct Votes {
-    std::uint8_t hidden = 0, at = 0,
-                 behind = 0;  // views that measured something before the front's plane, on it, behind
+  struct Votes {  // views that measured something before the front's plane, on it, behind
+    std::uint8_t hidden = 0, at = 0, behind = 0;
+    int last_view = -1;  // each has one vote
   };
   using Spot = std::array<int, 3>;  // of the volume's frame; level ones hold for all heights and the other way round
   Votes of(const Spot& spot) const;
 
   std::map<Spot, Votes> spots_;
+  int views_ = 0;
 };
 
 }  // namespace povslam
