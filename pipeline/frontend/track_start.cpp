@@ -34,7 +34,10 @@ void Tracker::adopt(const MapContent& content) {
 bool Tracker::found_at_start() {
   if (start_tries_ == 0) return false;
   --start_tries_;
-  return confirm(T_world_camera_start_.inverse()) && !hangs_on_one_thing() && !far_better_elsewhere();
+  if (!confirm(T_world_camera_start_.inverse()) || hangs_on_one_thing()) return false;
+  if (!far_better_elsewhere()) return true;
+  start_tries_ = 0;  // refuted: that the next frame may fit the other place a little worse speaks not for this one
+  return false;
 }
 
 // A start that is wrong may yet show a few things that were carried: another place that explains far more of the frame

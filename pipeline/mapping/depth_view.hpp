@@ -18,7 +18,8 @@ using ImageF = Image<float>;
 // Whose surface a pixel shows, within one view.
 inline constexpr std::uint16_t kNobody = 0;         // not known, or too near an edge to be told
 inline constexpr std::uint16_t kStructure = 1;      // floor, walls, racks
-inline constexpr std::uint16_t kFirstInstance = 2;  // and up: one thing each, numbered anew in each view
+inline constexpr std::uint16_t kMoving = 2;         // of a class that moves while one looks: in no map
+inline constexpr std::uint16_t kFirstInstance = 3;  // and up: one thing each, numbered anew in each view
 
 struct DepthView {
   TimeNs stamp = 0;
@@ -26,7 +27,7 @@ struct DepthView {
   ImageF depth_m;                               // along the optical axis; 0 = no measurement, or outside the range
   double min_depth_m = 0.3, max_depth_m = 5.0;  // the range
   ImageU8 color;                                // 1 channel grey or 3 channels R, G, B; empty: none
-  ImageU16 owner;                               // kNobody, kStructure, kFirstInstance + i
+  ImageU16 owner;                               // one of these
   Rigid3 T_world_camera;                        // of this frame
 };
 

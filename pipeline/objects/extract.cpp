@@ -17,13 +17,14 @@ constexpr std::size_t kClassIds = 256;
 constexpr double kBoxTrim = 0.01;
 
 // What a class id of a label image stands for here.
-enum class Part : std::uint8_t { nothing, structure, thing };
+enum class Part : std::uint8_t { nothing, structure, moving, thing };
 
 std::array<Part, kClassIds> parts_of(const ClassTable& table) {
   std::array<Part, kClassIds> parts{};
   for (const ObjectClass& row : table.classes) {
     if (row.id >= kClassIds) continue;
     if (row.kind == ClassKind::structure) parts[row.id] = Part::structure;
+    if (row.kind == ClassKind::dynamic) parts[row.id] = Part::moving;
     if (row.kind == ClassKind::static_object || row.kind == ClassKind::semi_static) parts[row.id] = Part::thing;
   }
   return parts;
@@ -74,6 +75,15 @@ struct Extractor::Impl {
     grooves.find(separable, view, groove);
   }
 
+  void find_grooves(const ImageU16& instances, const DepthView& view) {
+    separable.resize(instances.width(), instances.height());
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      const std::uint16_t id = instances.data()[i];
+      separable.data()[i] = id >= kFirstInstance ? id : std::uint16_t{0};
+    }
+    grooves.find(separable, view, groove);
+  }
+
   // A groove may be narrower than a cell: half of it is enough to divide.
   bool grooved(int x, int y) const {
     if (groove.empty()) return false;
@@ -109,7 +119,7 @@ struct Extractor::Impl {
 
   // Components large enough become observations; owner ids of small ones are 0.
   template <class SetClass>
-  std::vector<std::uint16_t> observe(const DepthView& view, const SetClass& set_class) {
+  std::vector<std::uint16_t> observe(const DepthView& view, bool instances, const SetClass& set_class) {
     const std::vector<Component>& components = finder.find(value, depth, options.connect_m, options.connect_share);
     std::vector<std::uint16_t> owner(components.size(), kNobody);
     for (std::size_t i = 0; i < components.size(); ++i) {
@@ -125,7 +135,7 @@ struct Extractor::Impl {
       result.observations.push_back(std::move(thing));
     }
     collect_points(view, owner);
-    if (!groove.empty()) find_fences({value, depth, finder, components, owner}, separable, view, result.observations);
+    find_fences({value, depth, finder, components, owner, instances}, separable, view, result.observations);
     drop_thin(owner);
     return owner;
   }
@@ -202,6 +212,20 @@ struct Extractor::Impl {
       }
     }
   }
+
+  // With a rim: where a silhouette ends is not told to the pixel.
+  template <class Moving>
+  void write_moving(const ImageU8& classes, const Moving& is_moving, DepthView& view) const {
+    const int r = options.erode_px, last_x = classes.width() - 1, last_y = classes.height() - 1;
+    for (int y = 0; y <= last_y; ++y) {
+      for (int x = 0; x <= last_x; ++x) {
+        if (!is_moving(classes.at(x, y))) continue;
+        view.owner.at(x, y) = kMoving;
+        view.owner.at(std::max(x - r, 0), y) = view.owner.at(std::min(x + r, last_x), y) = kMoving;
+        view.owner.at(x, std::max(y - r, 0)) = view.owner.at(x, std::min(y + r, last_y)) = kMoving;
+      }
+    }
+  }
 };
 
 Extractor::Extractor(const ExtractOptions& options, double depth_sigma_quadratic_per_m)
@@ -216,7 +240,9 @@ const Extraction& Extractor::from_classes(const ImageU8& classes, const ClassTab
   impl_->fill_cells(classes, view, [&](std::uint8_t id) { return parts[id] == Part::thing; });
   impl_->write_structure(
       classes, [&](std::uint8_t id) { return parts[id] == Part::structure; }, view);
-  const auto owner = impl_->observe(view, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
+  impl_->write_moving(
+      classes, [&](std::uint8_t id) { return parts[id] == Part::moving; }, view);
+  const auto owner = impl_->observe(view, false, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
   impl_->write_owner(classes, owner, view);
   return impl_->result;
 }
@@ -225,11 +251,11 @@ const Extraction& Extractor::from_instances(const ImageU16& instances, const std
                                             DepthView& view) {
   EXPECTS(instances.width() == view.camera.width && instances.height() == view.camera.height);
   impl_->result = {};
-  impl_->groove.resize(0, 0);
+  impl_->find_grooves(instances, view);
   impl_->fill_cells(instances, view, [](std::uint16_t id) { return id >= kFirstInstance; });
   impl_->write_structure(
       instances, [](std::uint16_t id) { return id == kStructure; }, view);
-  const auto owner = impl_->observe(view, [&](std::uint16_t value, Observation& thing) {
+  const auto owner = impl_->observe(view, true, [&](std::uint16_t value, Observation& thing) {
     const SegmentClass& named = class_of[static_cast<std::size_t>(value - kFirstInstance)];
     thing.class_id = named.id;
     thing.votes = named.votes;

@@ -42,7 +42,7 @@ void add_row(Border& border, const CellParts& parts, const ImageU16& separable, 
   border.depth_sum_m += 0.5 * static_cast<double>(z_left + z_right);
   for (int u = 2 * left + 2; u < 2 * right; ++u) {
     const float z = view.depth_m.at(u, 2 * y);
-    if (separable.at(u, 2 * y) == parts.value.at(left, y) || !(z > 0.0F)) continue;
+    if (parts.alike(separable.at(u, 2 * y), parts.value.at(left, y)) || !(z > 0.0F)) continue;
     border.other_sum_m += static_cast<double>(z);
     ++border.others;
   }
@@ -70,7 +70,7 @@ void find_fences(const CellParts& parts, const ImageU16& separable, const DepthV
       const int before = std::exchange(last, x);
       if (a == kNobody || a == b || x - before > kApart) continue;
       const float z = parts.depth.at(x, y);
-      const bool alike = parts.value.at(before, y) == parts.value.at(x, y) && stand_side_by_side(x, y);
+      const bool alike = parts.alike(parts.value.at(before, y), parts.value.at(x, y)) && stand_side_by_side(x, y);
       if (!alike || std::abs(z - parts.depth.at(before, y)) >= kBehind_m + kBehindShare * z) continue;
       add_row(borders[std::minmax(a, b)], parts, separable, view, before, x, y);
     }

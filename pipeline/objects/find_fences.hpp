@@ -9,11 +9,14 @@
 namespace povslam {
 
 struct CellParts {        // of a view, in cells of 2 x 2 pixels
-  const ImageU16& value;  // class; 0: none
+  const ImageU16& value;  // class, or instance of no class known; 0: none
   const ImageF& depth;    // m
   const ComponentFinder& finder;
   std::span<const Component> components;
   std::span<const std::uint16_t> owner;  // by component; kNobody: of no observation
+  bool instances = false;                // what value is
+
+  bool alike(std::uint16_t a, std::uint16_t b) const { return a == b || (instances && a != 0 && b != 0); }
 };
 
 // Neighbours of one class in a row of cells, hardly apart, neither behind the other, with no nearer thing before what

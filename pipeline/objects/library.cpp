@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "pipeline/base/time.hpp"
-#include "pipeline/objects/merge.hpp"
-#include "pipeline/objects/restore_block.hpp"
 #include "pipeline/objects/state.hpp"
 
 namespace povslam {
@@ -102,6 +100,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
     const Observation& unclaimed = extraction.observations[static_cast<std::size_t>(association.unclaimed[u])];
     if (!inside_known(unclaimed, reach, stands)) start(unclaimed, association.unclaimed_owner[u], view);
   }
+  learn_depths(reach);
   divide(reach, step);
   merge_duplicates(association, reach, step);
   join_halves(association, reach, view, step);
@@ -134,6 +133,7 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
                          const SurfaceLook& look) {
   const Observation& first = extraction.observations[static_cast<std::size_t>(match.observations[0])];
   object.class_votes[first.class_id] += first.votes;
+  object.class_binds = first.class_binds;
   if (match.known_surface) {
     BeliefOptions belief = options_.belief;
     double noise = 0.0;
@@ -182,6 +182,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   if (extent < object_class.min_extent_m || extent > object_class.max_extent_m) return;
   auto object = std::make_unique<MapObject>(next_id_++, volume_options_);
   object->class_votes[observation.class_id] = observation.votes;
+  object->class_binds = observation.class_binds;
   object->belief = initial_belief(object_class, options_.belief);
   object->T_world_volume = upright(observation.box.center, observation.box.yaw);
   object->first_seen = object->last_seen = view.stamp;
@@ -208,44 +209,6 @@ bool ObjectLibrary::inside_known(const Observation& observation, const std::vect
   return false;
 }
 
-void ObjectLibrary::erase(std::int64_t id, std::int64_t heir, LibraryStep& step) {
-  std::erase_if(objects_, [id](const auto& object) { return object->id == id; });
-  std::erase_if(halves_, [id](const auto& pair) { return pair.first.first == id || pair.first.second == id; });
-  std::erase(step.changed, id);
-  step.removed.push_back(id);
-  for (auto it = owner_of_landmark_.begin(); it != owner_of_landmark_.end();) {
-    if (it->second.object != id) {
-      ++it;
-      continue;
-    }
-    step.owners.push_back({it->first, it->second.slot, heir});
-    if (heir >= 0) {
-      it->second.object = heir;
-      ++it;
-    } else {
-      it = owner_of_landmark_.erase(it);
-    }
-  }
-}
-
-// A thing that moved is known by the id it had.
-void ObjectLibrary::rename(std::int64_t came, std::int64_t gone, LibraryStep& step) {
-  std::ranges::replace(step.changed, came, gone);
-  step.removed.push_back(came);
-  std::erase(step.removed, gone);
-  for (const auto& object : objects_) {
-    if (object->id == came) object->id = gone;
-  }
-  for (auto& [landmark, owned] : owner_of_landmark_) {
-    if (owned.object != came) continue;
-    owned.object = gone;
-    step.owners.push_back({landmark, owned.slot, gone});
-  }
-  for (auto& [pixels, owner] : object_of_owner_) {
-    if (owner == came) owner = gone;
-  }
-}
-
 PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const {
   PlaceChange change;
   const Box box = object.box_world();
@@ -263,76 +226,12 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   return change;
 }
 
-std::vector<std::uint16_t> ObjectLibrary::mapped_owners() const {
-  std::vector<std::uint16_t> owners;
-  for (const std::uint16_t owner : integrated_) {
-    const auto id = object_of_owner_.find(owner);
-    const bool confirmed = id != object_of_owner_.end() && std::ranges::any_of(objects_, [&](const auto& object) {
-                             return object->id == id->second && object->phase == ObjectPhase::confirmed;
-                           });
-    if (confirmed) owners.push_back(owner);
-  }
-  std::ranges::sort(owners);
-  return owners;
-}
-
-void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view,
-                                    LibraryStep& step) {
-  for (const SeenLandmark& seen : landmarks) {
-    const int x = static_cast<int>(std::lround(seen.x)), y = static_cast<int>(std::lround(seen.y));
-    if (x < 0 || y < 0 || x >= view.owner.width() || y >= view.owner.height()) continue;
-    const std::uint16_t pixel = view.owner.at(x, y);
-    const auto object = object_of_owner_.find(pixel);
-    if (pixel == kNobody || (pixel >= kFirstInstance && object == object_of_owner_.end())) continue;
-    const std::int64_t id = pixel == kStructure ? LandmarkOwner::kStructure : object->second;
-    const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, Owned{-1, seen.slot});
-    if (entry->second.object == id && entry->second.slot == seen.slot) continue;
-    entry->second.slot = seen.slot;
-    entry->second.object = id;
-    step.owners.push_back({seen.landmark, seen.slot, id});
-  }
-}
-
 void ObjectLibrary::finish(LibraryStep& step) {
   step = {};
   TimeNs now = 0;
   for (const auto& object : objects_) now = std::max(now, object->last_seen);
   desk_.decide_all(now, step.events);
   for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone, step);
-}
-
-void ObjectLibrary::restore(const WorldMeta& meta) {
-  next_id_ = std::max(next_id_, meta.next_object);
-  desk_.continue_at(meta.next_event_seq);
-}
-
-void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks) {
-  const ObjectRecord& record = row.object;
-  VolumeOptions volume = volume_options_;
-  volume.voxel_size_m = row.voxel_size_m;
-  volume.truncation_m = row.truncation_m;
-  auto object = std::make_unique<MapObject>(record.id, volume);
-  object->phase = ObjectPhase::confirmed;
-  const auto named = std::ranges::find(classes_.classes, record.class_name, &ObjectClass::name);
-  object->class_votes[named == classes_.classes.end() ? unknown_class_.id : named->id] = record.observations;
-  object->belief = record.belief;
-  object->T_world_volume = row.T_world_volume;
-  object->first_seen = record.first_seen;
-  object->last_seen = record.last_seen;
-  object->first_absent = record.first_absent;
-  object->last_absent = record.last_absent;
-  object->observations = record.observations;
-  object->announced = row.announced;
-  for (const VoxelBlockRow* block : blocks) {
-    restore_block(*block, object->volume);
-    for (const std::uint16_t weight : block->weight) {
-      object->looks = std::max(object->looks, static_cast<double>(weight) / kWeightUnits);
-    }
-  }
-  reshape(*object);
-  for (const std::int64_t landmark : record.landmarks) owner_of_landmark_[landmark] = {record.id, -1};
-  next_id_ = std::max(next_id_, record.id + 1);
-  objects_.push_back(std::move(object));
 }
 
 }  // namespace povslam

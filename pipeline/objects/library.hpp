@@ -97,6 +97,7 @@ class ObjectLibrary {
   bool contradicted(const SurfaceLook& look, const MapObject& object) const;
   const ObjectClass& class_of(const MapObject& object) const;
   double deepest_m(const MapObject& object) const;  // that a thing of its class is taken to be where it was not seen
+  void learn_depths(const std::vector<MapObject*>& reach);
   void learn_extents();
   void reshape(MapObject& object) const;  // after its volume changed
   void keep_apart(const MapObject& object, int along, std::array<double, 2>& reach_m) const;
@@ -110,9 +111,9 @@ class ObjectLibrary {
   ObjectClass unknown_class_;
   std::vector<std::unique_ptr<MapObject>> objects_;
   std::int64_t next_id_ = 1;
-  struct Extents {  // that things of a class are wont to have, of those that showed enough
-    double deepest_m = kDeepest_m;
-    double width_m = 0.0, height_m = 0.0;  // of the front; 0: not known
+  std::map<std::uint16_t, double> deepest_m_;  // by class, of those that showed enough
+  struct Extents {                             // that fronts of a class are wont to have; 0: not known
+    double width_m = 0.0, height_m = 0.0;
   };
   std::map<std::uint16_t, Extents> extents_;                     // by class
   std::map<std::pair<std::int64_t, std::int64_t>, int> halves_;  // by ids: views that hid what is between them
@@ -124,6 +125,13 @@ class ObjectLibrary {
     std::int32_t slot = -1;
   };
   std::unordered_map<std::int64_t, Owned> owner_of_landmark_;
+  struct KnownDepth {
+    std::int64_t object;
+    std::uint16_t class_id;
+    Eigen::Vector2d at;  // world
+    double bottom_m, depth_m;
+  };
+  std::vector<KnownDepth> known_depths_;
   struct OldPlace {  // of an object that went
     Box box;
     TimeNs last_present = 0;

@@ -12,12 +12,12 @@ namespace {
 constexpr std::size_t kEnough = 5;
 constexpr double kApart_m = 0.03;  // closer than that no view tells two things apart
 
-// The value at a share of all; nothing of fewer than enough.
-std::optional<double> at_share(std::vector<double>& values, double share) {
+// Nothing of fewer than enough.
+std::optional<double> median(std::vector<double>& values) {
   if (values.size() < kEnough) return std::nullopt;
-  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, at);
-  return *at;
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::ranges::nth_element(values, middle);
+  return *middle;
 }
 
 // How much further than it was seen an end may reach towards a neighbour that was seen gap_m beyond it. Less than
@@ -31,42 +31,24 @@ double may_reach(double gap_m, bool both) {
 
 }  // namespace
 
-double ObjectLibrary::deepest_m(const MapObject& object) const {
-  const auto known = extents_.find(object.class_id());
-  return known == extents_.end() ? kDeepest_m : known->second.deepest_m;
-}
-
-// Something before or beside it may hide where a side ends, so that each is seen to be so deep at least.
+// Of those whose ends were seen.
 void ObjectLibrary::learn_extents() {
-  constexpr double kMost = 0.9, kHalf = 0.5, kHardly_m = 0.01;
   struct Seen {
-    std::vector<double> depths, widths, heights;
+    std::vector<double> widths, heights;
   };
   std::map<std::uint16_t, Seen> seen;
   for (const auto& object : objects_) {
-    if (object->phase != ObjectPhase::confirmed) continue;
-    Seen& of_class = seen[object->class_id()];
-    if (const auto depth_m = depth_seen(object->seen)) of_class.depths.push_back(*depth_m);
     const auto front = front_side(object->seen);
-    if (!front) continue;
+    if (object->phase != ObjectPhase::confirmed || !front) continue;
+    Seen& of_class = seen[object->class_id()];
     const HiddenReach reach = object->hidden.reach(object->seen);
     if (reach.minus_m + reach.plus_m <= 0.0) of_class.widths.push_back(object->seen.box.size_m[front->along()]);
     if (reach.below_m <= 0.0) of_class.heights.push_back(object->seen.box.size_m.z());
   }
   for (auto& [id, all] : seen) {
     Extents& known = extents_[id];
-    const Extents before = known;
-    if (const auto depth_m = at_share(all.depths, kMost)) known.deepest_m = std::min(*depth_m, kDeepest_m);
-    if (const auto width_m = at_share(all.widths, kHalf)) known.width_m = *width_m;
-    if (const auto height_m = at_share(all.heights, kHalf)) known.height_m = *height_m;
-    const auto differs = [&](double Extents::*extent) { return std::abs(known.*extent - before.*extent) >= kHardly_m; };
-    if (!differs(&Extents::deepest_m) && !differs(&Extents::width_m) && !differs(&Extents::height_m)) {
-      known = before;
-      continue;
-    }
-    for (const auto& object : objects_) {
-      if (object->class_id() == id) settle(*object);
-    }
+    known.width_m = median(all.widths).value_or(known.width_m);
+    known.height_m = median(all.heights).value_or(known.height_m);
   }
 }
 
@@ -90,15 +72,19 @@ void ObjectLibrary::keep_apart(const MapObject& object, int along, std::array<do
 }
 
 void ObjectLibrary::settle(MapObject& object) const {
-  const auto known = extents_.find(object.class_id());
   const auto front = front_side(object.seen);
-  if (known == extents_.end() || !front) return;
-  const Extents& usual = known->second;
+  if (!front) return;
+  const double deepest = deepest_m(object);
+  const auto known = extents_.find(object.class_id());
+  if (known == extents_.end() || !object.class_binds) {  // a guessed class says nothing of how wide things are
+    object.box = with_depth(object.seen, deepest);
+    return;
+  }
   HiddenReach hidden = object.hidden.reach(object.seen);
   std::array<double, 2> reach_m = {hidden.minus_m, hidden.plus_m};
   keep_apart(object, front->along(), reach_m);
   hidden.minus_m = reach_m[0], hidden.plus_m = reach_m[1];
-  object.box = with_depth(grown(object.seen, hidden, usual.width_m, usual.height_m), usual.deepest_m);
+  object.box = with_depth(grown(object.seen, hidden, known->second.width_m, known->second.height_m), deepest);
 }
 
 }  // namespace povslam

@@ -30,7 +30,7 @@ void ObjectLibrary::look_for_groove(MapObject& object, std::uint16_t owner, cons
   const auto front = front_side(object.seen);
   const double widest = widest_m(object);
   const bool wide = front && widest > 0.0 && object.seen.box.size_m[front->along()] > widest + kWider_m;
-  if (!wide || class_of(object).one_piece) {
+  if (!wide || !object.class_binds || class_of(object).one_piece) {
     object.profile.reset();
     return;
   }
@@ -49,6 +49,7 @@ std::unique_ptr<MapObject> ObjectLibrary::cut_at(const FencePlane& plane, MapObj
       object.volume, [&](const Eigen::Vector3f& p_volume) { return plane.distance_m(p_volume.cast<double>()) > 0.0; });
   part->phase = object.phase;
   part->class_votes = object.class_votes;
+  part->class_binds = object.class_binds;
   part->belief = object.belief;
   part->T_world_volume = object.T_world_volume;
   part->first_seen = object.first_seen;

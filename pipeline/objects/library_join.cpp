@@ -70,7 +70,8 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
 void ObjectLibrary::absorb_fragments(TimeNs now, LibraryStep& step) {
   std::vector<MapObject*> seen;
   for (const auto& object : objects_) {
-    if (object->phase == ObjectPhase::confirmed && object->last_seen == now) seen.push_back(object.get());
+    const bool here = object->phase == ObjectPhase::confirmed && object->last_seen == now;
+    if (here && object->class_binds) seen.push_back(object.get());
   }
   std::vector<std::pair<std::int64_t, std::int64_t>> absorbed;  // from, into
   for (const MapObject* part : seen) {

@@ -21,6 +21,14 @@ bool is_sliver(const MapObject& object) {
   return object.box.size_m.head<2>().maxCoeff() < kNarrow_m && is_hardly_seen(object);
 }
 
+// It went before the camera's eyes and had not stood there for long: somebody walking, a vehicle driving by. Nobody put
+// it there, nobody took it away.
+bool was_passing(const MapObject& object) {
+  constexpr TimeNs kWatched = kNsPerSecond, kStood = 3 * kNsPerSecond;
+  return object.first_absent && *object.first_absent - object.last_seen < kWatched &&
+         object.last_seen - object.first_seen < kStood;
+}
+
 }  // namespace
 
 // Where another thing stood, or was seen not to stand any more, nothing else can have stood with it.
@@ -96,7 +104,7 @@ void ObjectLibrary::drop_unbelieved(TimeNs now, LibraryStep& step) {
     const MapObject* same = same_thing_better_known(*object);
     heirs.push_back(same != nullptr ? same->id : object->last_absent ? LandmarkOwner::kGone : LandmarkOwner::kNobody);
     desk_.withdraw(object->id);
-    if (tentative || no_object || !object->last_absent || same != nullptr) continue;
+    if (tentative || no_object || !object->last_absent || same != nullptr || was_passing(*object)) continue;
     PlaceChange change = change_of(*object, now);
     change.probability = 1.0 - object->belief.expected_consistency();
     change.evidence.first_absent = object->first_absent;

@@ -33,7 +33,8 @@ void LooseSurface::observe(DepthView& view, const ObjectLibrary& library) {
   for (int y = 0; y < view.camera.height; ++y) {
     for (int x = 0; x < view.camera.width; ++x) {
       std::uint16_t& owner = view.owner.at(x, y);
-      if (!(view.depth_m.at(x, y) > 0.0F) || owner == kStructure || std::ranges::binary_search(owned, owner)) continue;
+      if (!(view.depth_m.at(x, y) > 0.0F) || owner == kStructure || owner == kMoving) continue;
+      if (std::ranges::binary_search(owned, owner)) continue;
       owner = is_mixed(view.depth_m, x, y) ? kNobody : kLoose;
     }
   }

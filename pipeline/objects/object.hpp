@@ -29,6 +29,7 @@ struct MapObject {
   std::int64_t id;
   ObjectPhase phase = ObjectPhase::tentative;
   std::map<std::uint16_t, int> class_votes;  // by class id, observations
+  bool class_binds = true;                   // see Observation
   Belief belief;
 
   Volume volume;

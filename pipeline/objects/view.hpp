@@ -39,7 +39,7 @@ struct View {
 struct LandmarkOwner {
   static constexpr std::int64_t kStructure = 0;  // floor, walls, racks; ids of objects are greater
   static constexpr std::int64_t kNobody = -1;    // not known
-  static constexpr std::int64_t kGone = -2;      // it was part of something that is not there any more
+  static constexpr std::int64_t kGone = -2;      // of something that is not there any more, or moves while one looks
   std::int64_t landmark = -1;
   std::int32_t slot = -1;  // see SeenLandmark; -1: an earlier session's landmark, not seen in this one
   std::int64_t object = kNobody;

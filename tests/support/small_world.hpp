@@ -12,7 +12,7 @@
 namespace povslam {
 
 struct SmallWorld {
-  static constexpr std::uint8_t kFloor = 1, kWall = 2, kCarton = 3, kPallet = 4;
+  static constexpr std::uint8_t kFloor = 1, kWall = 2, kCarton = 3, kPallet = 4, kPerson = 5;
   struct Thing {
     Box box;
     std::uint8_t class_id = kCarton;
@@ -26,7 +26,7 @@ struct SmallWorld {
     return {"small",
             {make_class(0, "unlabelled", ClassKind::ignore), make_class(kFloor, "floor", ClassKind::structure),
              make_class(kWall, "wall", ClassKind::structure), make_class(kCarton, "carton", ClassKind::semi_static),
-             make_class(kPallet, "pallet", ClassKind::semi_static)}};
+             make_class(kPallet, "pallet", ClassKind::semi_static), make_class(kPerson, "person", ClassKind::dynamic)}};
   }
   static PinholeCamera camera() { return {320, 240, 262.5, 262.5, 159.5, 119.5, {}}; }
 

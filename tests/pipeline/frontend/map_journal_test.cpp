@@ -197,6 +197,38 @@ TEST(Tracker, BeginsAtADockItKnows) {
   EXPECT_LT(second.error_m(), 0.03);
 }
 
+// The first columns of the image show what stood at the dock, the rest a place elsewhere on the map.
+void begin_with_carried_columns(int columns, TrackState expected_at_last) {
+  const MapContent content = mapped_place();
+  FrontendOptions options = small_frontend();
+  options.map.start = "known";
+  SimulatedView view(small_drive(3));
+  const Rigid3 dock = view.T_world_camera(0.0), elsewhere = view.T_world_camera(8.0);
+  const RgbdFrame carried = view.look(dock);
+  Tracker tracker(view.calibration(), options, dock, &content);
+  TrackResult result;
+  for (int i = 0; i < 30; ++i) {
+    RgbdFrame image = view.look(elsewhere, i * view.period_s());
+    for (int y = 0; y < image.color.height(); ++y) {
+      std::copy_n(carried.color.row(y), std::ptrdiff_t{3} * columns, image.color.row(y));
+      std::copy_n(carried.depth.row(y), columns, image.depth.row(y));
+    }
+    result = tracker.track(image);
+    if (result.state == TrackState::lost) continue;
+    EXPECT_LT((result.T_world_camera.translation - elsewhere.translation).norm(), 0.05) << i;
+  }
+  EXPECT_EQ(result.state, expected_at_last);
+}
+
+TEST(Tracker, BelievesNoDockWhenFarMoreSpeaksForAnotherPlace) {
+  begin_with_carried_columns(60, TrackState::ok);
+}
+
+// Five frames speak for elsewhere by far, the sixth not quite.
+TEST(Tracker, ReturnsToNoDockThatWasRefuted) {
+  begin_with_carried_columns(110, TrackState::lost);
+}
+
 TEST(Tracker, LeavesTheMapAsItIsWhenItMayOnlyLocalise) {
   const MapContent content = mapped_place();
   FrontendOptions options = small_frontend();

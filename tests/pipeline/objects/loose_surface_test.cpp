@@ -57,5 +57,14 @@ TEST_F(LooseSurfaceStory, WhatWentIsEmptiedThoughNobodyKnewIt) {
   EXPECT_LT(5 * triangles(), there);
 }
 
+TEST_F(LooseSurfaceStory, WhoWalksIsInNoMap) {
+  look(5, true);
+  const std::size_t without = triangles();
+  world.things = {{{{2.5, 0.0, 0.85}, {0.3, 0.5, 1.7}, 0.0}, SmallWorld::kPerson}};
+  look(10, true);
+  EXPECT_LE(triangles(), without + 30);
+  EXPECT_TRUE(library.objects().empty());
+}
+
 }  // namespace
 }  // namespace povslam

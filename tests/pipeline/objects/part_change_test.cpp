@@ -3,56 +3,19 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/base/time.hpp"
-#include "pipeline/objects/library.hpp"
-#include "tests/support/small_world.hpp"
+#include "tests/pipeline/objects/library_story.hpp"
 
 namespace povslam {
 namespace {
 
-class PartStory : public testing::Test {
+class PartStory : public LibraryStory {
  protected:
-  explicit PartStory(const ObjectOptions& options = {})
-      : library(options, VolumeOptions{0.05, 0.2, 400}, IntegrateOptions{}, SmallWorld::classes()) {}
-
-  // `count` views from an arc about (2.5, 0).
-  void drive(int count) {
-    for (int i = 0; i < count; ++i) {
-      const double angle = -0.4 + 0.8 * (i + 0.5) / count;
-      const Eigen::Vector2d eye = Eigen::Vector2d(2.5, 0.0) - 3.0 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-      now += kNsPerSecond / 5;
-      world.look(SmallWorld::looking(eye, {2.5, 0.0}), now, view, labels);
-      library.observe(extractor.from_classes(labels, library.classes(), view), empty, view, step);
-      events.insert(events.end(), step.events.begin(), step.events.end());
-      empty.observe(view);
-    }
-  }
-  void finish() {
-    library.finish(step);
-    events.insert(events.end(), step.events.begin(), step.events.end());
-  }
-  std::vector<const MapObject*> confirmed() const {
-    std::vector<const MapObject*> out;
-    for (const auto& object : library.objects()) {
-      if (object->phase == ObjectPhase::confirmed) out.push_back(object.get());
-    }
-    return out;
-  }
+  using LibraryStory::LibraryStory;
 
   // Touching: no groove tells them apart.
   const SmallWorld::Thing left{{{2.5, 0.4, 0.35}, {0.6, 0.8, 0.7}, 0.0}, SmallWorld::kPallet, 120};
   const SmallWorld::Thing right{{{2.5, -0.3, 0.35}, {0.6, 0.6, 0.7}, 0.0}, SmallWorld::kPallet, 120};
-  SmallWorld world;
-  TimeNs now = 0;
-  DepthView view;
-  ImageU8 labels;
-  Extractor extractor{ExtractOptions{}, 0.0025};
-  EmptySpace empty{EmptySpaceOptions{}};
-  ObjectLibrary library;
-  LibraryStep step;
-  std::vector<ObjectEvent> events;
 };
-
 TEST_F(PartStory, ATakenHalfIsRemovedAndTheOtherHalfStaysWhatItWas) {
   world.things = {left, right};
   drive(20);
