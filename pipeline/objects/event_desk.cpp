@@ -102,31 +102,44 @@ ObjectEvent EventDesk::make(ObjectEventType type, const PlaceChange& change, Tim
 }
 
 // A turned box has its two horizontal extents in either order.
-bool EventDesk::alike(const PlaceChange& gone, const PlaceChange& came) const {
-  if (gone.named && came.named && gone.class_name != came.class_name) return false;
+EventDesk::Size EventDesk::compare(const PlaceChange& gone, const PlaceChange& came) const {
+  if (gone.named && came.named && gone.class_name != came.class_name) return Size::another;
   const Eigen::Vector3d &a = gone.size_m, &b = came.size_m;
   const auto same = [this](double p, double q) { return alike_extent(p, q, options_); };
-  return same(a.z(), b.z()) &&
-         ((same(a.x(), b.x()) && same(a.y(), b.y())) || (same(a.x(), b.y()) && same(a.y(), b.x())));
+  const auto in_part = [&](double p, double q) {
+    return same(p, q) || (p < q && !gone.whole) || (q < p && !came.whole);
+  };
+  const auto smaller = [&](double p, double q) { return same(p, q) || p < q; };
+  const auto either_order = [&](const auto& equal) {
+    return (equal(a.x(), b.x()) && equal(a.y(), b.y())) || (equal(a.x(), b.y()) && equal(a.y(), b.x()));
+  };
+  if (!same(a.z(), b.z())) return Size::another;
+  if (either_order(same)) return Size::same;
+  if (either_order(in_part)) return Size::seen_in_part;
+  return either_order(smaller) ? Size::smaller : Size::another;
 }
 
 // How well the two go together, at least 0; below: not at all. What is near is paired at once, what is further off when
 // one of the two cannot wait any longer.
 double EventDesk::pairing(const PlaceChange& gone, const PlaceChange& came, bool noticed, TimeNs until) const {
   constexpr double kNot = -1.0, kPerMetre = 0.1, kOverlap = 0.15;
-  if (!alike(gone, came)) return kNot;
-  const bool unknown = noticed && !(is_known(gone.appearance) && is_known(came.appearance));
-  const double looks = unknown ? options_.min_likeness : likeness(gone.appearance, came.appearance);
+  const Size size = compare(gone, came);
+  if (size == Size::another) return kNot;
+  const bool known = is_known(gone.appearance) && is_known(came.appearance);
+  const double looks = noticed && !known ? options_.min_likeness : likeness(gone.appearance, came.appearance);
   const double distance_m = (gone.place.position - came.place.position).norm();
-  const bool near = distance_m <= options_.max_near_m;
-  if (looks < (noticed ? options_.min_likeness : options_.min_unnoticed_likeness)) return kNot;
+  const bool near = distance_m <= options_.max_near_m, last_chance = gone.decided <= until;
+  const bool beside = last_chance && distance_m <= options_.max_beside_m;
+  if (size == Size::smaller && (!noticed || looks < options_.min_smaller_likeness)) return kNot;
+  const bool sure = size == Size::same && (noticed || beside);
+  if (looks < (sure ? options_.min_likeness : options_.min_unnoticed_likeness)) return kNot;
   if (noticed) {
-    if (!near && gone.decided > until && came.decided > until) return kNot;
+    if (!near && !last_chance && came.decided > until) return kNot;
   } else {
     const Box from{gone.place.position, gone.size_m, gone.place.yaw},
         to{came.place.position, came.size_m, came.place.yaw};
-    const bool both_stood =
-        came.evidence.first_present <= gone.evidence.last_present && overlap(from, to).of_smaller < kOverlap;
+    const bool apart = size != Size::same || overlap(from, to).of_smaller < kOverlap;
+    const bool both_stood = came.evidence.first_present <= gone.evidence.last_present && apart;
     if (!near || both_stood) return kNot;
   }
   return 1.0 + looks - kPerMetre * std::min(distance_m, options_.max_near_m);

@@ -1,6 +1,7 @@
 // From what went and what came to events: a thing that went here and came there moved. Each change is told once.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -17,6 +18,7 @@ struct PlaceChange {  // a thing went from a place, or came to one
   bool named = true;  // false: the class says nothing; it may be of any other
   ObjectPlace place;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  bool whole = true;  // false: two sides that meet were not seen, so that it is so long and so wide at least
   double consistency = 0.0;
   double probability = 0.0;
   Evidence evidence;
@@ -30,7 +32,9 @@ struct EventDeskOptions {
   double max_size_ratio = 1.35;         // between two looks at one thing, each extent…
   double min_likeness = 0.3;            // of their looks, where both are known
   double max_near_m = 3.0;              // what moved further is paired only when nothing nearer came up in the meantime
-  double min_unnoticed_likeness = 0.5;  // of the looks of a thing that went and one whose coming was not noticed
+  double min_unnoticed_likeness = 0.5;  // of the looks of a thing that went and one whose coming was not noticed…
+  double max_beside_m = 1.5;            // …or min_likeness, when nothing better came up: it stands no further off
+  double min_smaller_likeness = 0.75;   // of a thing that went and looked smaller: others hid a part of it
   double max_size_difference_m = 0.15;  // …or this much
 };
 
@@ -61,7 +65,8 @@ class EventDesk {
 
  private:
   ObjectEvent make(ObjectEventType type, const PlaceChange& change, TimeNs now);
-  bool alike(const PlaceChange& gone, const PlaceChange& came) const;
+  enum class Size : std::uint8_t { same, seen_in_part, smaller, another };
+  Size compare(const PlaceChange& gone, const PlaceChange& came) const;
   double pairing(const PlaceChange& gone, const PlaceChange& came, bool noticed, TimeNs until) const;
   bool pair_best(TimeNs now, std::vector<ObjectEvent>& events);
 

@@ -15,10 +15,12 @@ bool is_hardly_seen(const MapObject& object) {
   return object.looks < kLooks;
 }
 
-// From afar an edge of a thing known by its other sides looks like a thing of its own.
+// From afar an edge of a thing known by its other sides looks like a thing of its own; so does what shows of a thing
+// past another.
 bool is_sliver(const MapObject& object) {
-  constexpr double kNarrow_m = 0.2;
-  return object.box.size_m.head<2>().maxCoeff() < kNarrow_m && is_hardly_seen(object);
+  constexpr double kNarrow_m = 0.2, kEdge_m = 0.1;
+  const double width_m = object.box.size_m.head<2>().maxCoeff();
+  return width_m < kNarrow_m && (is_hardly_seen(object) || (width_m < kEdge_m && !depth_seen(object.seen)));
 }
 
 // It went before the camera's eyes and had not stood there for long: somebody walking, a vehicle driving by. Nobody put

@@ -141,6 +141,64 @@ TEST_F(EventDeskTest, AThingFoundCameFromNearbyOnlyIfItLooksTheSameAndBothCannot
   EXPECT_EQ(renamed[0].first, 2);
 }
 
+TEST_F(EventDeskTest, AThingSeenInPartMayHaveBeenLarger) {
+  PlaceChange gone = thing(1, 0.0, from_seconds(10), "box", {0.4, 0.35, 0.5});
+  const PlaceChange came = thing(2, 1.0, from_seconds(10));
+  desk.gone(gone);
+  desk.came(came);
+  decide(10.0);
+  EXPECT_TRUE(events.empty()) << "it was seen whole";
+  gone.object = 3;
+  gone.whole = false;
+  desk.gone(gone);
+  decide(10.0);
+  EXPECT_TRUE(events.empty()) << "nothing is known of their looks";
+}
+
+TEST_F(EventDeskTest, AThingSeenInPartIsKnownByItsLooks) {
+  PlaceChange gone = thing(1, 0.0, from_seconds(10), "box", {0.4, 0.35, 0.5}), came = thing(2, 1.0, from_seconds(10));
+  gone.whole = false;
+  gone.appearance.share[0] = came.appearance.share[0] = 1.0F;
+  came.size_m = {0.3, 0.35, 0.5};
+  desk.gone(gone);
+  desk.came(came);
+  came.object = 3;
+  came.size_m = {0.8, 0.2, 0.5};
+  desk.came(came);
+  decide(10.0);
+  ASSERT_EQ(renamed.size(), 1U) << "no smaller one than was seen";
+  EXPECT_EQ(renamed[0].first, 2);
+}
+
+TEST_F(EventDeskTest, AThingOthersHidInPartIsKnownByVeryAlikeLooks) {
+  PlaceChange gone = thing(1, 0.0, from_seconds(10), "box", {0.4, 0.35, 0.5}), came = thing(2, 1.0, from_seconds(10));
+  gone.appearance.share = {0.7F, 0.3F};
+  came.appearance.share = {0.7F, 0.0F, 0.3F};
+  desk.gone(gone);
+  desk.came(came);
+  decide(10.0);
+  EXPECT_TRUE(events.empty());
+  came.appearance.share = {0.8F, 0.2F};
+  desk.refresh(came);
+  decide(11.0);
+  EXPECT_EQ(renamed.size(), 1U);
+}
+
+TEST_F(EventDeskTest, WhatStandsBesideIsTakenForItWhenNothingLooksMoreAlike) {
+  PlaceChange gone = thing(1, 0.0, from_seconds(10)), found = thing(2, 1.2, from_seconds(12));
+  gone.evidence.last_present = from_seconds(9);
+  found.evidence.first_present = from_seconds(11);
+  gone.appearance.share = {0.4F, 0.6F};
+  found.appearance.share = {0.4F, 0.0F, 0.6F};
+  desk.gone(gone);
+  desk.found(found);
+  decide(17.9);
+  EXPECT_TRUE(events.empty());
+  decide(18.0);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+}
+
 TEST_F(EventDeskTest, ForgetsWhatIsWithdrawn) {
   desk.came(thing(3, 2.8, from_seconds(10)));
   desk.withdraw(3);
