@@ -59,10 +59,15 @@ Eigen::Vector2d facing(const MapObject& object, const ObjectFence& fence) {
   return way.dot(fence.fence.at - object.box.center.head<2>()) < 0.0 ? Eigen::Vector2d(-way) : way;
 }
 
+void add_firm_fence(MapObject& object, const Eigen::Vector2d& at, const Eigen::Vector2d& along) {
+  object.fences.push_back({{at, along}, kMostVotes, 0, true});
+}
+
 void note_fences(MapObject& object, std::span<const Observation* const> observations, TimeNs stamp) {
   const Rigid3 T_volume_world = object.T_world_volume.inverse();
   const double turn = yaw_of(T_volume_world);
   for (ObjectFence& fence : object.fences) {
+    if (fence.firm) continue;
     const bool one = std::ranges::any_of(observations, [&](const auto* seen) { return spans(object, fence, *seen); });
     if (one) fence.votes -= kAgainst;
   }

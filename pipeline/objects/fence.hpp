@@ -16,10 +16,14 @@ struct ObjectFence {
   Fence fence;
   double votes = 0.0;  // views that told it from what is beyond, less those that took both for one
   TimeNs last_vote = 0;
+  bool firm = false;  // many views together told it: no single one speaks against it
 };
 
 // A view's fences, and what it took for one across those that are known. observation: of the object, world frame.
 void note_fences(MapObject& object, std::span<const Observation* const> observations, TimeNs stamp);
+
+// Many views together found one; at, along: in the volume's frame.
+void add_firm_fence(MapObject& object, const Eigen::Vector2d& at, const Eigen::Vector2d& along);
 
 // Which way a fence faces: along an axis of the object's box, away from its centre.
 Eigen::Vector2d facing(const MapObject& object, const ObjectFence& fence);

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "pipeline/base/time.hpp"
-#include "pipeline/objects/merge.hpp"
-#include "pipeline/objects/restore_block.hpp"
 #include "pipeline/objects/state.hpp"
 
 namespace povslam {
@@ -106,6 +104,11 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
   divide(reach, step);
   merge_duplicates(association, reach, step);
   join_halves(association, reach, view, step);
+  learn_extents();
+  for (const auto& object : objects_) {
+    if (object->last_seen == view.stamp) settle(*object);
+  }
+  absorb_fragments(view.stamp, step);
   drop_unbelieved(view.stamp, step);
   refresh_waiting(view.stamp);
   desk_.decide(view.stamp, step.events);
@@ -154,7 +157,9 @@ void ObjectLibrary::take(const Match& match, MapObject& object, const Extraction
   integrate(object.volume, view, match.owner, object.T_world_volume, integrate_options_);
   integrated_.push_back(match.owner);
   object.looks += look_weight(first.median_depth_m, integrate_options_);
-  refresh_shape(object, shape_weight(object), deepest_m(object));
+  reshape(object);
+  object.hidden.look(object.seen, object.T_world_volume, view);
+  look_for_groove(object, match.owner, view);
 }
 
 // Absence is believed where the camera saw through the object's place; what still stands and was only not told apart
@@ -184,7 +189,7 @@ void ObjectLibrary::start(const Observation& observation, std::uint16_t owner, c
   object->observations = 1;
   integrate(object->volume, view, owner, object->T_world_volume, integrate_options_);
   object->looks = look_weight(observation.median_depth_m, integrate_options_);
-  refresh_shape(*object, shape_weight(*object), deepest_m(*object));
+  reshape(*object);
   if (std::ssize(object->surface) < options_.extract.min_points / 2) return;
   const Observation* seen = &observation;
   note_fences(*object, {&seen, 1}, view.stamp);
@@ -202,44 +207,6 @@ bool ObjectLibrary::inside_known(const Observation& observation, const std::vect
     if (alike && lies_within(observation, object.box_world())) return true;
   }
   return false;
-}
-
-void ObjectLibrary::erase(std::int64_t id, std::int64_t heir, LibraryStep& step) {
-  std::erase_if(objects_, [id](const auto& object) { return object->id == id; });
-  std::erase_if(halves_, [id](const auto& pair) { return pair.first.first == id || pair.first.second == id; });
-  std::erase(step.changed, id);
-  step.removed.push_back(id);
-  for (auto it = owner_of_landmark_.begin(); it != owner_of_landmark_.end();) {
-    if (it->second.object != id) {
-      ++it;
-      continue;
-    }
-    step.owners.push_back({it->first, it->second.slot, heir});
-    if (heir >= 0) {
-      it->second.object = heir;
-      ++it;
-    } else {
-      it = owner_of_landmark_.erase(it);
-    }
-  }
-}
-
-// A thing that moved is known by the id it had.
-void ObjectLibrary::rename(std::int64_t came, std::int64_t gone, LibraryStep& step) {
-  std::ranges::replace(step.changed, came, gone);
-  step.removed.push_back(came);
-  std::erase(step.removed, gone);
-  for (const auto& object : objects_) {
-    if (object->id == came) object->id = gone;
-  }
-  for (auto& [landmark, owned] : owner_of_landmark_) {
-    if (owned.object != came) continue;
-    owned.object = gone;
-    step.owners.push_back({landmark, owned.slot, gone});
-  }
-  for (auto& [pixels, owner] : object_of_owner_) {
-    if (owner == came) owner = gone;
-  }
 }
 
 PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const {
@@ -260,81 +227,12 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   return change;
 }
 
-std::vector<std::uint16_t> ObjectLibrary::mapped_owners() const {
-  std::vector<std::uint16_t> owners;
-  for (const std::uint16_t owner : integrated_) {
-    const auto id = object_of_owner_.find(owner);
-    const bool confirmed = id != object_of_owner_.end() && std::ranges::any_of(objects_, [&](const auto& object) {
-                             return object->id == id->second && object->phase == ObjectPhase::confirmed;
-                           });
-    if (confirmed) owners.push_back(owner);
-  }
-  std::ranges::sort(owners);
-  return owners;
-}
-
-void ObjectLibrary::claim_landmarks(const std::vector<SeenLandmark>& landmarks, const DepthView& view,
-                                    LibraryStep& step) {
-  for (const SeenLandmark& seen : landmarks) {
-    const int x = static_cast<int>(std::lround(seen.x)), y = static_cast<int>(std::lround(seen.y));
-    if (x < 0 || y < 0 || x >= view.owner.width() || y >= view.owner.height()) continue;
-    const std::uint16_t pixel = view.owner.at(x, y);
-    if (pixel == kMoving) {
-      owner_of_landmark_.erase(seen.landmark);
-      step.owners.push_back({seen.landmark, seen.slot, LandmarkOwner::kGone});
-      continue;
-    }
-    const auto object = object_of_owner_.find(pixel);
-    if (pixel == kNobody || (pixel >= kFirstInstance && object == object_of_owner_.end())) continue;
-    const std::int64_t id = pixel == kStructure ? LandmarkOwner::kStructure : object->second;
-    const auto [entry, fresh] = owner_of_landmark_.try_emplace(seen.landmark, Owned{-1, seen.slot});
-    if (entry->second.object == id && entry->second.slot == seen.slot) continue;
-    entry->second.slot = seen.slot;
-    entry->second.object = id;
-    step.owners.push_back({seen.landmark, seen.slot, id});
-  }
-}
-
 void ObjectLibrary::finish(LibraryStep& step) {
   step = {};
   TimeNs now = 0;
   for (const auto& object : objects_) now = std::max(now, object->last_seen);
   desk_.decide_all(now, step.events);
   for (const auto& [came, gone] : std::exchange(renamed_, {})) rename(came, gone, step);
-}
-
-void ObjectLibrary::restore(const WorldMeta& meta) {
-  next_id_ = std::max(next_id_, meta.next_object);
-  desk_.continue_at(meta.next_event_seq);
-}
-
-void ObjectLibrary::restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks) {
-  const ObjectRecord& record = row.object;
-  VolumeOptions volume = volume_options_;
-  volume.voxel_size_m = row.voxel_size_m;
-  volume.truncation_m = row.truncation_m;
-  auto object = std::make_unique<MapObject>(record.id, volume);
-  object->phase = ObjectPhase::confirmed;
-  const auto named = std::ranges::find(classes_.classes, record.class_name, &ObjectClass::name);
-  object->class_votes[named == classes_.classes.end() ? unknown_class_.id : named->id] = record.observations;
-  object->belief = record.belief;
-  object->T_world_volume = row.T_world_volume;
-  object->first_seen = record.first_seen;
-  object->last_seen = record.last_seen;
-  object->first_absent = record.first_absent;
-  object->last_absent = record.last_absent;
-  object->observations = record.observations;
-  object->announced = row.announced;
-  for (const VoxelBlockRow* block : blocks) {
-    restore_block(*block, object->volume);
-    for (const std::uint16_t weight : block->weight) {
-      object->looks = std::max(object->looks, static_cast<double>(weight) / kWeightUnits);
-    }
-  }
-  refresh_shape(*object, shape_weight(*object), deepest_m(*object));
-  for (const std::int64_t landmark : record.landmarks) owner_of_landmark_[landmark] = {record.id, -1};
-  next_id_ = std::max(next_id_, record.id + 1);
-  objects_.push_back(std::move(object));
 }
 
 }  // namespace povslam

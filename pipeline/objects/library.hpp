@@ -77,8 +77,10 @@ class ObjectLibrary {
   void confirm(MapObject& object, const EmptySpace& empty);
   void join_halves(const Association& association, const std::vector<MapObject*>& reach, const DepthView& view,
                    LibraryStep& step);
+  void absorb_fragments(TimeNs now, LibraryStep& step);
   bool are_halves(const MapObject& a, const MapObject& b, const DepthView& view, int views);
   double widest_m(const MapObject& object) const;
+  void look_for_groove(MapObject& object, std::uint16_t owner, const DepthView& view);
   void divide(const std::vector<MapObject*>& reach, LibraryStep& step);
   std::unique_ptr<MapObject> cut_at(const FencePlane& plane, MapObject& object);
   void merge_duplicates(const Association& association, const std::vector<MapObject*>& reach, LibraryStep& step);
@@ -96,6 +98,10 @@ class ObjectLibrary {
   const ObjectClass& class_of(const MapObject& object) const;
   double deepest_m(const MapObject& object) const;  // that a thing of its class is taken to be where it was not seen
   void learn_depths(const std::vector<MapObject*>& reach);
+  void learn_extents();
+  void reshape(MapObject& object) const;  // after its volume changed
+  void keep_apart(const MapObject& object, int along, std::array<double, 2>& reach_m) const;
+  void settle(MapObject& object) const;  // its box: what was seen, what is assumed, between its neighbours
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
 
   ObjectOptions options_;
@@ -105,7 +111,11 @@ class ObjectLibrary {
   ObjectClass unknown_class_;
   std::vector<std::unique_ptr<MapObject>> objects_;
   std::int64_t next_id_ = 1;
-  std::map<std::uint16_t, double> deepest_m_;                    // by class, of those that showed enough
+  std::map<std::uint16_t, double> deepest_m_;  // by class, of those that showed enough
+  struct Extents {                             // that fronts of a class are wont to have; 0: not known
+    double width_m = 0.0, height_m = 0.0;
+  };
+  std::map<std::uint16_t, Extents> extents_;                     // by class
   std::map<std::pair<std::int64_t, std::int64_t>, int> halves_;  // by ids: views that hid what is between them
   EventDesk desk_;
   std::unordered_map<std::uint16_t, std::int64_t> object_of_owner_;  // of the last view

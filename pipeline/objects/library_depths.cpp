@@ -59,7 +59,7 @@ void ObjectLibrary::learn_depths(const std::vector<MapObject*>& reach) {
     depths[object->class_id()].push_back(*depth_m);
   }
   const auto assume = [this](MapObject& object) {
-    if (object.seen.box.size_m.x() > 0.0) object.box = with_depth(object.seen, deepest_m(object));
+    if (object.seen.box.size_m.x() > 0.0) settle(object);
   };
   for (auto& [id, all] : depths) {
     if (all.size() < kEnough) continue;

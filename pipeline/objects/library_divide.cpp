@@ -24,6 +24,24 @@ bool reaches_beyond(const MapObject& object, const FencePlane& plane) {
 
 }  // namespace
 
+// What one view cannot tell from noise, many together can: looked for in what is wider than its kind.
+void ObjectLibrary::look_for_groove(MapObject& object, std::uint16_t owner, const DepthView& view) {
+  constexpr double kWider_m = 0.08;
+  const auto front = front_side(object.seen);
+  const double widest = widest_m(object);
+  const bool wide = front && widest > 0.0 && object.seen.box.size_m[front->along()] > widest + kWider_m;
+  if (!wide || !object.class_binds || class_of(object).one_piece) {
+    object.profile.reset();
+    return;
+  }
+  if (!object.profile) object.profile.emplace(object.seen, *front);
+  object.profile->add(view, owner, object.T_world_volume, integrate_options_.depth_sigma_quadratic_per_m);
+  const auto at = object.profile->groove();
+  if (!at) return;
+  add_firm_fence(object, *at, object.profile->along());
+  object.profile.reset();
+}
+
 // Leaves in the object what is on its centre's side; returns the rest.
 std::unique_ptr<MapObject> ObjectLibrary::cut_at(const FencePlane& plane, MapObject& object) {
   auto part = std::make_unique<MapObject>(next_id_, object.volume.options());
@@ -41,8 +59,8 @@ std::unique_ptr<MapObject> ObjectLibrary::cut_at(const FencePlane& plane, MapObj
   part->looks = object.looks;
   part->announced = object.announced;
   part->fences = object.fences;
-  refresh_shape(*part, shape_weight(*part), deepest_m(*part));
-  refresh_shape(object, shape_weight(object), deepest_m(object));
+  reshape(*part);
+  reshape(object);
   return part;
 }
 

@@ -5,12 +5,24 @@
 #include "pipeline/objects/halves.hpp"
 #include "pipeline/objects/library.hpp"
 #include "pipeline/objects/merge.hpp"
+#include "pipeline/objects/neighbours.hpp"
 
 namespace povslam {
 namespace {
 
 constexpr std::size_t kEnough = 10;
 constexpr double kMost = 0.9;
+
+// Much smaller, and most of its surface within the other's box.
+bool is_fragment_of(const MapObject& part, const MapObject& whole) {
+  constexpr double kGrow_m = 0.05, kSmaller = 0.5, kWithin = 0.6;
+  if (static_cast<double>(part.surface.size()) > kSmaller * static_cast<double>(whole.surface.size())) return false;
+  const Rigid3 T_whole_part = whole.T_world_volume.inverse() * part.T_world_volume;
+  const auto inside = std::ranges::count_if(part.surface, [&](const SurfacePoint& point) {
+    return whole.box.contains(T_whole_part * point.p_volume.cast<double>(), kGrow_m);
+  });
+  return static_cast<double>(inside) > kWithin * static_cast<double>(part.surface.size());
+}
 
 }  // namespace
 
@@ -43,13 +55,34 @@ void ObjectLibrary::merge_duplicates(const Association& association, const std::
         (!young && overlap(a->box_world(), b->box_world()).of_smaller < options_.life.merge_overlap))
       continue;
     merge_into(*a, *b);
-    refresh_shape(*a, shape_weight(*a), deepest_m(*a));
+    reshape(*a);
     merged.push_back(b->id);
     heirs.push_back(a->id);
   }
   for (std::size_t i = 0; i < merged.size(); ++i) {
     desk_.withdraw(merged[i]);
     erase(merged[i], heirs[i], step);
+  }
+}
+
+// As an observation that lies within a thing begins no object, so an object that does is none: a side of the thing
+// that was seen before the thing was known to reach there.
+void ObjectLibrary::absorb_fragments(TimeNs now, LibraryStep& step) {
+  std::vector<MapObject*> seen;
+  for (const auto& object : objects_) {
+    const bool here = object->phase == ObjectPhase::confirmed && object->last_seen == now;
+    if (here && object->class_binds) seen.push_back(object.get());
+  }
+  std::vector<std::pair<std::int64_t, std::int64_t>> absorbed;  // from, into
+  for (const MapObject* part : seen) {
+    const auto whole = std::ranges::find_if(seen, [part](const MapObject* other) {
+      return other != part && other->class_id() == part->class_id() && is_fragment_of(*part, *other);
+    });
+    if (whole != seen.end()) absorbed.emplace_back(part->id, (*whole)->id);
+  }
+  for (const auto& [from, into] : absorbed) {
+    desk_.withdraw(from);
+    erase(from, into, step);
   }
 }
 
@@ -76,7 +109,7 @@ void ObjectLibrary::join_halves(const Association& association, const std::vecto
       const double least_looks = std::min(into->looks, from->looks);
       merge_into(*into, *from);
       into->looks = least_looks;  // at any of its surface: each half had its own
-      refresh_shape(*into, shape_weight(*into), deepest_m(*into));
+      reshape(*into);
       joined.emplace_back(from->id, into->id);
     }
   }
@@ -92,6 +125,7 @@ bool ObjectLibrary::are_halves(const MapObject& a, const MapObject& b, const Dep
   if (tentative || a.class_id() != b.class_id() || fenced_apart(a, b)) return false;
   if ((a.box_world().center - b.box_world().center).norm() > kNear_m) return false;
   if (!may_be_halves(a, b, widest_m(a))) return false;
+  if (hidden_between(a, b) || hidden_between(b, a)) return true;
   int& hidden = halves_[std::minmax(a.id, b.id)];
   const Between between = look_between(a, b, view);
   if (between == Between::hidden) ++hidden;

@@ -55,7 +55,7 @@ void ObjectLibrary::doubt_part(const Match& match, MapObject& object, const Extr
   desk_.gone(std::move(change));
   remember_place(gone);
   object.part_belief.reset();
-  refresh_shape(object, shape_weight(object), deepest_m(object));
+  reshape(object);
 }
 
 }  // namespace povslam

@@ -101,6 +101,28 @@ Box with_depth(const SeenBox& seen, double deepest_m) {
   return box;
 }
 
+bool hardly_seen(const SeenBox& seen, int side) {
+  return hardly_seen(seen.sides[static_cast<std::size_t>(side)], seen.sides[static_cast<std::size_t>(side ^ 1)]);
+}
+
+SeenBox grown(const SeenBox& seen, const HiddenReach& reach, double width_m, double height_m) {
+  SeenBox out = seen;
+  const auto front = front_side(seen);
+  if (!front) return out;
+  const int along = front->along();
+  // Negative ones draw an end back.
+  move_end(out.box, along, true, std::min(reach.plus_m, 0.0));
+  move_end(out.box, along, false, std::min(reach.minus_m, 0.0));
+  const double plus_m = std::max(reach.plus_m, 0.0), minus_m = std::max(reach.minus_m, 0.0), may_m = plus_m + minus_m;
+  if (const double more_m = std::min(may_m, width_m - out.box.size_m[along]); may_m > 0.0 && more_m > 0.0) {
+    move_end(out.box, along, true, more_m * plus_m / may_m);
+    move_end(out.box, along, false, more_m * minus_m / may_m);
+  }
+  const double lower_m = std::min(reach.below_m, height_m - seen.box.size_m.z());
+  if (lower_m > 0.0) move_end(out.box, 2, false, lower_m);
+  return out;
+}
+
 std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double deepest_m) {
   const auto seen = seen_box(surface, voxel_m);
   return seen ? std::optional(with_depth(*seen, deepest_m)) : std::nullopt;

@@ -11,6 +11,8 @@
 #include "pipeline/mapping/volume.hpp"
 #include "pipeline/objects/box_fit.hpp"
 #include "pipeline/objects/fence.hpp"
+#include "pipeline/objects/front_profile.hpp"
+#include "pipeline/objects/hidden_ends.hpp"
 #include "pipeline/objects/object_event.hpp"
 
 namespace povslam {
@@ -38,7 +40,9 @@ struct MapObject {
       part_belief;  // that the part seen through is still there; none: it all stands, or all is missed
   std::optional<TimeNs> part_first_absent;
   SeenBox seen;  // of the surface, in the volume's frame
-  Box box;       // the same with what is assumed of the sides not seen
+  HiddenEnds hidden;
+  std::optional<FrontProfile> profile;  // while it is wider than its kind
+  Box box;  // the same with what is assumed of the sides not seen
 
   TimeNs first_seen = 0, last_seen = 0;
   std::int64_t keyframe = -1;  // of the tracker's map, that the view hung on which saw it last; -1: not in this session
@@ -61,6 +65,10 @@ inline constexpr double kDeepest_m = 1.0;      // that is assumed of anything
 
 // The box of such a surface, in its frame, one point to a voxel of voxel_m; nothing of fewer than 3 points.
 std::optional<SeenBox> seen_box(std::span<const SurfacePoint> surface, double voxel_m);
+// Too little of a side to say where it lies. side: as SeenBox::sides.
+bool hardly_seen(const SeenBox& seen, int side);
+// Its front goes on beyond its ends, as far as it may and no wider or higher in all than that.
+SeenBox grown(const SeenBox& seen, const HiddenReach& reach, double width_m, double height_m);
 // Of what was seen from one side only the depth is assumed: as much as its smaller visible extent, at most deepest_m.
 Box with_depth(const SeenBox& seen, double deepest_m);
 std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double deepest_m);

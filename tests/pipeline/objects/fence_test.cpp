@@ -60,6 +60,13 @@ TEST(Fence, IsForgottenWhenViewsTakeBothSidesForOneThing) {
   EXPECT_TRUE(object.fences.empty());
 }
 
+TEST(Fence, ThatManyViewsFoundIsNotForgottenForOne) {
+  MapObject object = thing_at(0.0, 0.0);
+  add_firm_fence(object, {0.0, -0.2}, Eigen::Vector2d::UnitX());
+  for (int i = 1; i < 40; ++i) show(object, row(-0.3, 0.3), i);
+  EXPECT_EQ(known_fences(object).size(), 1U);
+}
+
 TEST(Fence, KeepsOffWhatLiesBeyondIt) {
   MapObject object = thing_at(0.0, 0.0), other = thing_at(0.65, 0.0), opposite = thing_at(-0.65, 0.0);
   for (TimeNs stamp = 1; stamp <= 2; ++stamp) show(object, row(-0.3, 0.3, {kRight}), stamp);
