@@ -8,7 +8,7 @@ namespace {
 
 constexpr float kPlan_m = 0.1F, kHeight_m = 0.02F;
 constexpr std::int64_t kPlanBits = 24, kLevels = 1024, kLowest = -256;
-constexpr std::size_t kMostPlaces = 2'000'000;
+constexpr std::size_t kMostPlaces = 500'000;  // some 30 MB
 constexpr std::uint32_t kLeastBoards = 3, kMostOthersABoard = 4;
 
 std::int64_t level_of(float z) {
