@@ -15,15 +15,6 @@ bool is_hardly_seen(const MapObject& object) {
   return object.looks < kLooks;
 }
 
-// Too thin for its height to stand by itself, as the segmentation has it of what hangs together: a groove may have
-// parted it from what stands beside. Labels would have told a post from a thing.
-bool is_post(const MapObject& object) {
-  constexpr double kThin_m = 0.16, kHigh = 4.0;
-  const Eigen::Vector3d& size_m = object.seen.box.size_m;
-  const double width_m = size_m.head<2>().maxCoeff();
-  return !object.class_binds && width_m < kThin_m && size_m.z() > kHigh * width_m;
-}
-
 // From afar an edge of a thing known by its other sides looks like a thing of its own.
 bool is_sliver(const MapObject& object) {
   constexpr double kNarrow_m = 0.2;
@@ -73,7 +64,7 @@ double ObjectLibrary::share_that_came(const MapObject& object, const EmptySpace&
 void ObjectLibrary::confirm(MapObject& object, const EmptySpace& empty) {
   if (object.phase != ObjectPhase::tentative || object.observations < options_.life.confirm_views) return;
   if (!makes_objects(class_of(object).kind)) return;  // named so after it was begun
-  if (std::ssize(object.surface) < options_.extract.min_points || is_sliver(object) || is_post(object)) return;
+  if (std::ssize(object.surface) < options_.extract.min_points || is_sliver(object)) return;
   object.phase = ObjectPhase::confirmed;
   Evidence evidence;
   object.announced = true;

@@ -101,17 +101,5 @@ TEST_F(NamedStory, AnObjectThatTurnsOutToBeAPersonGoesWithoutAWord) {
   EXPECT_TRUE(events.empty());
 }
 
-TEST_F(NamedStory, APostIsNoThing) {
-  world.things = {{{{2.5, 0.0, 0.6}, {0.1, 0.1, 1.2}, 0.0}}};
-  for (int i = 0; i < 20; ++i) look(kNoName);
-  EXPECT_TRUE(confirmed().empty());
-}
-
-TEST_F(NamedStory, WhatIsHighAndCanStandIsAThing) {
-  world.things = {{{{2.5, 0.0, 0.6}, {0.25, 0.25, 1.2}, 0.0}}};
-  for (int i = 0; i < 20; ++i) look(kNoName);
-  EXPECT_EQ(confirmed().size(), 1U);
-}
-
 }  // namespace
 }  // namespace povslam
