@@ -128,8 +128,8 @@ class ObjectLibrary {
   struct KnownDepth {
     std::int64_t object;
     std::uint16_t class_id;
-    Eigen::Vector2d at;  // world
-    double bottom_m, depth_m;
+    Eigen::Vector3d at;  // world
+    double depth_m;
   };
   std::vector<KnownDepth> known_depths_;
   struct OldPlace {  // of an object that went

@@ -11,8 +11,11 @@ namespace {
 constexpr std::size_t kEnough = 5;
 constexpr double kMost = 0.9;
 
-double bottom_m(const Box& box) {
-  return box.center.z() - 0.5 * box.size_m.z();
+// Horizontal, world: which way the side looks that it shows most of.
+Eigen::Vector2d front_normal(const MapObject& object, const Box& box_world) {
+  const auto& sides = object.seen.sides;
+  const bool x = std::max(sides[0], sides[1]) >= std::max(sides[2], sides[3]);
+  return Eigen::Rotation2Dd(box_world.yaw) * (x ? Eigen::Vector2d::UnitX() : Eigen::Vector2d::UnitY());
 }
 
 // Something before or beside it may hide where a side ends, so that each is seen to be so deep at least.
@@ -24,17 +27,19 @@ double most_of(std::vector<double>& depths) {
 
 }  // namespace
 
-// Of a class that was guessed, which may be no more than "thing", what stands near on the same level says more than all
-// there are of it.
+// Of a class that was guessed, which may be no more than "thing", what stands beside, above and below says more than
+// all there are of it.
 double ObjectLibrary::deepest_m(const MapObject& object) const {
-  constexpr double kLevel_m = 0.15;
+  constexpr double kInRow_m = 0.25;
   constexpr std::size_t kNearest = 15;
   const Box box = object.box_world();
+  const Eigen::Vector2d front = front_normal(object, box);
   std::vector<std::pair<double, double>> near;  // distance, depth
   for (const KnownDepth& known : known_depths_) {
-    const bool level = std::abs(known.bottom_m - bottom_m(box)) < kLevel_m;
-    if (known.object == object.id || known.class_id != object.class_id() || !level) continue;
-    near.emplace_back((known.at - box.center.head<2>()).norm(), known.depth_m);
+    const Eigen::Vector3d apart = known.at - box.center;
+    const bool in_row = std::abs(front.dot(apart.head<2>())) < kInRow_m;
+    if (known.object == object.id || known.class_id != object.class_id() || !in_row) continue;
+    near.emplace_back(apart.norm(), known.depth_m);
   }
   if (object.class_binds || near.size() < kEnough) {
     const auto known = deepest_m_.find(object.class_id());
@@ -54,8 +59,7 @@ void ObjectLibrary::learn_depths(const std::vector<MapObject*>& reach) {
     if (object->phase != ObjectPhase::confirmed) continue;
     const auto depth_m = depth_seen(object->seen);
     if (!depth_m) continue;
-    const Box box = object->box_world();
-    known_depths_.push_back({object->id, object->class_id(), box.center.head<2>(), bottom_m(box), *depth_m});
+    known_depths_.push_back({object->id, object->class_id(), object->box_world().center, *depth_m});
     depths[object->class_id()].push_back(*depth_m);
   }
   const auto assume = [this](MapObject& object) {

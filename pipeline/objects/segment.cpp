@@ -13,6 +13,7 @@
 #include "pipeline/objects/segment_measure.hpp"
 #include "pipeline/objects/segment_parts.hpp"
 #include "pipeline/objects/segment_structure.hpp"
+#include "pipeline/objects/shelf_memory.hpp"
 
 namespace povslam {
 
@@ -38,6 +39,7 @@ struct Segmenter::Impl {
   FloorTracker floor;
   PartFinder parts;
   BoardFinder boards;
+  ShelfMemory shelves;
   int num_parts = 0;
   std::vector<PartMeasure> measures;
   std::vector<std::uint16_t> instance_of;  // part -> instance
@@ -60,7 +62,9 @@ void Segmenter::Impl::find_parts(const DepthView& view) {
   label_undersides(camera_height_m, grid);
   const int min_cells = std::max(1, options.min_pixels / (grid.step * grid.step) / 2);  // they have yet to grow
   num_parts = parts.find(options, min_cells, grid);
-  if (boards.mark(num_parts, floor_height_m, options, grid)) num_parts = parts.find(options, min_cells, grid);
+  const bool shown = boards.mark(num_parts, floor_height_m, options, grid);
+  const bool known = shelves.learn_and_mark(boards.places(), view.T_world_camera.translation.head<2>(), grid);
+  if (shown || known) num_parts = parts.find(options, min_cells, grid);
   grow_parts(options, grid);
 }
 

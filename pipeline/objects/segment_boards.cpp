@@ -23,6 +23,7 @@ std::size_t to_size(int value) {
 bool BoardFinder::mark(int num_parts, float floor_height_m, const SegmentOptions& options, SegmentGrid& grid) {
   collect(num_parts, grid);
   boards_.clear();
+  places_.clear();
   const auto length = static_cast<float>(options.board_length_m);
   const float near_floor_m = floor_height_m + static_cast<float>(options.board_thickness_m);
   bool found = false;
@@ -141,6 +142,7 @@ bool BoardFinder::label_chosen(const Part& part, SegmentGrid& grid) {
     const std::size_t column = i % to_size(grid.stride) - SegmentGrid::kMargin;
     if (on_run_[to_size(bin) * columns_ + column] == 0) continue;
     grid.label[i] = kStructurePart;
+    places_.emplace_back(grid.x[i], grid.y[i], grid.z[i]);
     found = true;
   }
   return found;

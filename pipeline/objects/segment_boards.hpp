@@ -12,6 +12,8 @@ class BoardFinder {
  public:
   // Labels the cells of boards kStructurePart. True: there were some, parts must be found anew.
   bool mark(int num_parts, float floor_height_m, const SegmentOptions& options, SegmentGrid& grid);
+  // Of the cells that the last call labelled; level axes of the grid.
+  const std::vector<Eigen::Vector3f>& places() const { return places_; }
 
  private:
   struct Band {  // of heights, world
@@ -32,6 +34,7 @@ class BoardFinder {
   bool label_chosen(const Part& part, SegmentGrid& grid);
 
   std::vector<Part> parts_;
+  std::vector<Eigen::Vector3f> places_;
   std::vector<Band> boards_;  // found in this image
   // Of the part at hand, in bins of height:
   float bottom_ = 0.0F;
