@@ -158,12 +158,14 @@ bool EventDesk::pair_best(TimeNs now, std::vector<ObjectEvent>& events) {
     std::vector<PlaceChange>::iterator gone, came;
     bool noticed = false;
   } best;
+  const TimeNs until = now - options_.hold;
   for (const bool noticed : {true, false}) {
     std::vector<PlaceChange>& things = noticed ? came_ : found_;
     for (auto to = things.begin(); to != things.end(); ++to) {
-      if (!settled(*to, now)) continue;
+      const bool waits = !settled(*to, now) && to->decided > until;
       for (auto from = gone_.begin(); from != gone_.end(); ++from) {
-        const double score = pairing(*from, *to, noticed, now - options_.hold);
+        if (waits && from->decided > until) continue;
+        const double score = pairing(*from, *to, noticed, until);
         if (score > best.score) best = {score, from, to, noticed};
       }
     }

@@ -242,7 +242,8 @@ const Extraction& Extractor::from_classes(const ImageU8& classes, const ClassTab
       classes, [&](std::uint8_t id) { return parts[id] == Part::structure; }, view);
   impl_->write_moving(
       classes, [&](std::uint8_t id) { return parts[id] == Part::moving; }, view);
-  const auto owner = impl_->observe(view, false, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
+  const auto owner =
+      impl_->observe(view, false, [](std::uint16_t value, Observation& thing) { thing.class_id = value; });
   impl_->write_owner(classes, owner, view);
   return impl_->result;
 }

@@ -217,7 +217,7 @@ PlaceChange ObjectLibrary::change_of(const MapObject& object, TimeNs now) const 
   change.named = object.class_id() != kUnnamedThing;
   change.place = {box.center, box.yaw};
   change.size_m = box.size_m;
-  change.whole = depth_seen(object.seen).has_value();
+  change.whole = seen_whole(object);
   change.consistency = object.belief.expected_consistency();
   change.evidence.first_present = object.first_seen;
   change.evidence.last_present = object.last_seen;

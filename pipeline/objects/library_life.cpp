@@ -20,7 +20,7 @@ bool is_hardly_seen(const MapObject& object) {
 bool is_sliver(const MapObject& object) {
   constexpr double kNarrow_m = 0.2, kEdge_m = 0.1;
   const double width_m = object.box.size_m.head<2>().maxCoeff();
-  return width_m < kNarrow_m && (is_hardly_seen(object) || (width_m < kEdge_m && !depth_seen(object.seen)));
+  return width_m < kNarrow_m && (is_hardly_seen(object) || (width_m < kEdge_m && !seen_whole(object)));
 }
 
 // It went before the camera's eyes and had not stood there for long: somebody walking, a vehicle driving by. Nobody put

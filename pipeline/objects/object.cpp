@@ -137,6 +137,12 @@ std::optional<double> depth_seen(const SeenBox& seen) {
   return seen.box.size_m.head<2>().minCoeff();
 }
 
+bool seen_whole(const MapObject& object) {
+  constexpr double kHardly_m = 0.01;
+  const Eigen::Vector2d added = (object.box.size_m - object.seen.box.size_m).head<2>();
+  return depth_seen(object.seen).has_value() && added.maxCoeff() < kHardly_m;
+}
+
 void refresh_shape(MapObject& object, double min_weight, double deepest_m) {
   object.surface = surface_points(object.volume, min_weight);
   object.missed.assign(object.surface.size(), 0);

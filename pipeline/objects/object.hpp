@@ -42,7 +42,7 @@ struct MapObject {
   SeenBox seen;  // of the surface, in the volume's frame
   HiddenEnds hidden;
   std::optional<FrontProfile> profile;  // while it is wider than its kind
-  Box box;  // the same with what is assumed of the sides not seen
+  Box box;                              // the same with what is assumed of the sides not seen
 
   TimeNs first_seen = 0, last_seen = 0;
   std::int64_t keyframe = -1;  // of the tracker's map, that the view hung on which saw it last; -1: not in this session
@@ -75,6 +75,9 @@ std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double 
 
 // How deep it is at least; nothing unless two of its upright sides that meet were seen.
 std::optional<double> depth_seen(const SeenBox& seen);
+
+// Two of its upright sides that meet were seen, and nothing is added to how long and how wide it looks.
+bool seen_whole(const MapObject& object);
 
 // Surface and box anew, after the volume changed.
 void refresh_shape(MapObject& object, double min_weight, double deepest_m);

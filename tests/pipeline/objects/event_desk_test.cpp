@@ -61,6 +61,20 @@ TEST_F(EventDeskTest, LooksAtWhatCameBeforeItTellsWhere) {
   EXPECT_NEAR(events[0].place.position.x(), 1.9, 1e-9);
 }
 
+TEST_F(EventDeskTest, LooksNoLongerThanWhatWentCanWait) {
+  PlaceChange came = thing(2, 1.5, from_seconds(16));
+  desk.gone(thing(1, 0.0, from_seconds(10)));
+  desk.came(came);
+  for (int t = 16; t <= 20; ++t) {
+    came.evidence.last_present = from_seconds(t);
+    desk.refresh(came);
+    decide(t);
+  }
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, ObjectEventType::moved);
+  EXPECT_EQ(events[0].stamp, from_seconds(18));
+}
+
 TEST_F(EventDeskTest, TellsWhereAThingCameWhenItIsOutOfView) {
   PlaceChange came = thing(2, 1.5, from_seconds(12));
   came.evidence.last_present = from_seconds(12);
