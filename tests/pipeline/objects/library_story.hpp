@@ -13,8 +13,8 @@ namespace povslam {
 
 class LibraryStory : public testing::Test {
  protected:
-  explicit LibraryStory(const ObjectOptions& options = {})
-      : library(options, VolumeOptions{0.05, 0.2, 400}, IntegrateOptions{}, SmallWorld::classes()) {}
+  explicit LibraryStory(const ObjectOptions& options = {}, ClassTable classes = SmallWorld::classes())
+      : library(options, VolumeOptions{0.05, 0.2, 400}, IntegrateOptions{}, std::move(classes)) {}
 
   // `count` views from an arc about (2.5, 0), 0.2 s apart.
   void drive(int count, bool labelled = true) {

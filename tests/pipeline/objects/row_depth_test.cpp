@@ -1,15 +1,13 @@
 // How deep things without a sure class are taken to be: as those that stand in a row with them show it.
-#include <gtest/gtest.h>
-
-#include "pipeline/base/time.hpp"
-#include "pipeline/objects/library.hpp"
-#include "tests/support/small_world.hpp"
+#include "tests/pipeline/objects/library_story.hpp"
 
 namespace povslam {
 namespace {
 
-class RowStory : public testing::Test {
+class RowStory : public LibraryStory {
  protected:
+  RowStory() : LibraryStory({}, with_unnamed_things({})) {}
+
   void look(const Rigid3& T_world_camera) {
     now += kNsPerSecond / 5;
     world.look(T_world_camera, now, view, labels);
@@ -31,15 +29,10 @@ class RowStory : public testing::Test {
     }
     return nullptr;
   }
-
-  SmallWorld world;
-  TimeNs now = 0;
-  DepthView view;
-  ImageU8 labels;
-  Extractor extractor{ExtractOptions{}, 0.0025};
-  EmptySpace empty{EmptySpaceOptions{}};
-  ObjectLibrary library{ObjectOptions{}, VolumeOptions{0.05, 0.2, 400}, IntegrateOptions{}, with_unnamed_things({})};
-  LibraryStep step;
+};
+EmptySpace empty{EmptySpaceOptions{}};
+ObjectLibrary library{ObjectOptions{}, VolumeOptions{0.05, 0.2, 400}, IntegrateOptions{}, with_unnamed_things({})};
+LibraryStep step;
 };
 
 TEST_F(RowStory, AThingSeenFromOneSideIsAsDeepAsThoseOfItsRow) {
