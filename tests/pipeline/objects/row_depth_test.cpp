@@ -30,10 +30,6 @@ class RowStory : public LibraryStory {
     return nullptr;
   }
 };
-EmptySpace empty{EmptySpaceOptions{}};
-ObjectLibrary library{ObjectOptions{}, VolumeOptions{0.05, 0.2, 400}, IntegrateOptions{}, with_unnamed_things({})};
-LibraryStep step;
-};
 
 TEST_F(RowStory, AThingSeenFromOneSideIsAsDeepAsThoseOfItsRow) {
   see_row(2.5, 0.3);
