@@ -1,6 +1,7 @@
 #include "pipeline/understanding.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <map>
 #include <span>
@@ -17,7 +18,9 @@
 namespace povslam {
 namespace {
 
-constexpr double kMeshWeight = 0.1;  // looks: one from 3 m is a fifth
+// One look from 3 m is a fifth. Of the exported map: no surfaces along lines of sight, none smaller than a voxel's
+// face.
+const MeshOptions kMap{.min_weight = 3.0 / kWeightUnits, .rims = false};
 
 float ms(TimeNs span) {
   return static_cast<float>(to_ms(span));
@@ -189,7 +192,7 @@ struct Understanding::Impl {
   };
   std::vector<ViewOfKeyframe> view_of_keyframe;  // in the order of time
   ObjectLibrary library;
-  MeshCache structure_mesh{kMeshWeight};
+  MeshCache structure_mesh{kMap};
   DepthView seen;
   ImageU8 class_image;
   ImageU16 instances;
@@ -266,13 +269,14 @@ std::string Understanding::naming_error() const {
 void Understanding::mesh(Mesh& mesh) {
   impl_->structure_mesh.update(impl_->structure);
   impl_->structure_mesh.append_to(mesh, Rigid3{});
-  if (impl_->loose) impl_->loose->append_to(mesh, kMeshWeight);
+  if (impl_->loose) impl_->loose->append_to(mesh, kMap);
   for (const auto& object : impl_->library.objects()) {
     if (object->phase != ObjectPhase::confirmed) continue;
-    MeshCache cache(kMeshWeight);
+    MeshCache cache(kMap);
     cache.update(object->volume);
     cache.append_to(mesh, object->T_world_volume);
   }
+  drop_specks(mesh, std::pow(impl_->options.structure.voxel_size_m, 2));
 }
 
 WorldChange* Understanding::take_change() {

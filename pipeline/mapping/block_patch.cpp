@@ -7,7 +7,7 @@ namespace povslam {
 
 namespace {
 
-// Which of three neighbours along an axis holds voxel -1 … 8, and as which of its own.
+// Which of three neighbours along an axis holds voxel -1 … 9, and as which of its own.
 constexpr int neighbour(int voxel) {
   return voxel < 0 ? 0 : voxel < kBlockEdge ? 1 : 2;
 }
@@ -27,10 +27,10 @@ bool BlockPatch::load(const Volume& volume, int block, double min_weight) {
   }
   const int least = std::max(1, static_cast<int>(std::ceil(min_weight * kWeightUnits)));
   bool positive = false, negative = false;
-  for (int z = -1; z <= kBlockEdge; ++z) {
-    for (int y = -1; y <= kBlockEdge; ++y) {
+  for (int z = -1; z < kEdge - 1; ++z) {
+    for (int y = -1; y < kEdge - 1; ++y) {
       const int row = 3 * neighbour(y) + 9 * neighbour(z);
-      for (int x = -1; x <= kBlockEdge; ++x) {
+      for (int x = -1; x < kEdge - 1; ++x) {
         const VoxelBlock* from = blocks_[static_cast<std::size_t>(row + neighbour(x))];
         const std::size_t voxel = index_within(x, y, z), to = at(x, y, z);
         const bool is_known = from != nullptr && from->weight[voxel] >= least;

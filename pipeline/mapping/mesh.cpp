@@ -1,6 +1,8 @@
 #include "pipeline/mapping/mesh.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "pipeline/mapping/block_patch.hpp"
 #include "pipeline/mapping/cube_triangles.hpp"
@@ -20,10 +22,21 @@ BlockKey unpacked(std::uint64_t key) {
   return {part(0), part(21), part(42)};
 }
 
+// Of true surfaces distances change by a voxel's size from voxel to voxel, more where they were looked at slantingly;
+// from a rim's free side, where nothing is within the truncation, to its hidden one by more than this many…
+constexpr double kRimStep = 5.5;
+// …while from there on inwards they hardly change, as they tell of the thing's front: by less than this share of it.
+constexpr double kRimFlat = 0.2;
+
 class BlockMesher {
  public:
-  BlockMesher(const BlockPatch& patch, const BlockKey& key, double voxel_size_m, Mesh& mesh)
-      : patch_(patch), key_(key), voxel_size_m_(static_cast<float>(voxel_size_m)), mesh_(mesh) {
+  BlockMesher(const BlockPatch& patch, const BlockKey& key, const VolumeOptions& volume, bool rims, Mesh& mesh)
+      : patch_(patch),
+        key_(key),
+        voxel_size_m_(static_cast<float>(volume.voxel_size_m)),
+        rim_units_(rims ? std::numeric_limits<double>::infinity()
+                        : kRimStep * volume.voxel_size_m / volume.truncation_m * kDistanceUnits),
+        mesh_(mesh) {
     vertex_.fill(kNone);
   }
 
@@ -48,11 +61,24 @@ class BlockMesher {
     }
     const CubeTriangles& triangles = cube_triangles(static_cast<std::uint8_t>(inside));
     for (int k = 0; k < triangles.count; ++k) {
+      const auto on_rim = [&](std::uint8_t edge) { return is_rim(x, y, z, cube_edge(edge)); };
+      if (std::ranges::any_of(triangles.edges[static_cast<std::size_t>(k)], on_rim)) continue;
       std::array<std::uint32_t, 3> triangle{};
       for (std::size_t j = 0; j < 3; ++j)
         triangle[j] = vertex(x, y, z, triangles.edges[static_cast<std::size_t>(k)][j]);
       mesh_.triangles.push_back(triangle);
     }
+  }
+
+  bool is_rim(int x, int y, int z, const CubeEdge& along) const {
+    x += along.from & 1, y += along.from >> 1 & 1, z += along.from >> 2;
+    const int dx = along.axis == 0, dy = along.axis == 1, dz = along.axis == 2;
+    const int here = patch_.distance(x, y, z), there = patch_.distance(x + dx, y + dy, z + dz);
+    const int step = std::abs(here - there);
+    if (step <= rim_units_) return false;
+    const int k = here < 0 ? -1 : 2;  // the next one inwards
+    if (!patch_.known(x + k * dx, y + k * dy, z + k * dz)) return false;
+    return std::min(here, there) - patch_.distance(x + k * dx, y + k * dy, z + k * dz) < kRimFlat * step;
   }
 
   std::uint32_t vertex(int x, int y, int z, int edge) {
@@ -95,6 +121,7 @@ class BlockMesher {
   const BlockPatch& patch_;
   BlockKey key_;
   float voxel_size_m_;
+  double rim_units_;
   Mesh& mesh_;
   std::array<std::uint32_t, 3 * kCorners * kCorners * kCorners> vertex_{};
 };
@@ -103,13 +130,19 @@ class BlockMesher {
 
 int MeshCache::update(const Volume& volume) {
   std::vector<BlockKey> dirty;
-  const auto with_lower_neighbours = [&](const BlockKey& key) {
-    for (int k = 0; k < 8; ++k) dirty.push_back({key.x - (k & 1), key.y - (k >> 1 & 1), key.z - (k >> 2)});
+  // A block's triangles need its upper neighbours; what is a rim, also the lower ones.
+  const int least = options_.rims ? 0 : -1;
+  const auto with_neighbours = [&](const BlockKey& key) {
+    for (int z = least; z <= 1; ++z) {
+      for (int y = least; y <= 1; ++y) {
+        for (int x = least; x <= 1; ++x) dirty.push_back({key.x - x, key.y - y, key.z - z});
+      }
+    }
   };
   for (int index = 0; index < volume.num_blocks(); ++index) {
     const VoxelBlock& block = volume.block(index);
     const auto piece = pieces_.find(packed(block.key));
-    if (piece == pieces_.end() || piece->second.changed != block.changed) with_lower_neighbours(block.key);
+    if (piece == pieces_.end() || piece->second.changed != block.changed) with_neighbours(block.key);
   }
   for (auto piece = pieces_.begin(); piece != pieces_.end();) {
     const BlockKey key = unpacked(piece->first);
@@ -117,7 +150,7 @@ int MeshCache::update(const Volume& volume) {
       ++piece;
       continue;
     }
-    with_lower_neighbours(key);
+    with_neighbours(key);
     piece = pieces_.erase(piece);
   }
   const auto by_key = [](const BlockKey& a, const BlockKey& b) { return packed(a) < packed(b); };
@@ -132,8 +165,8 @@ int MeshCache::update(const Volume& volume) {
     Piece& piece = pieces_[packed(key)];
     piece.changed = volume.block(index).changed;
     piece.mesh = Mesh{};
-    if (patch.load(volume, index, min_weight_)) {
-      BlockMesher(patch, key, volume.options().voxel_size_m, piece.mesh).run();
+    if (patch.load(volume, index, options_.min_weight)) {
+      BlockMesher(patch, key, volume.options(), options_.rims, piece.mesh).run();
     }
     ++made;
   }

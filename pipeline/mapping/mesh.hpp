@@ -17,12 +17,19 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from the free side
 };
 
+struct MeshOptions {
+  double min_weight = 0.05;  // looks: cells whose eight voxels were each seen at least so often
+  // Whether what was hidden behind a thing is closed off against the space seen beside it. Beyond the thing's edge a
+  // ray sees empty space, behind its front it sees nothing and the volume says "inside": between the two lies a surface
+  // along the line of sight, as deep as the truncation, that is nobody's.
+  bool rims = true;
+};
+
 // Follows one volume.
 class MeshCache {
  public:
-  // Cells whose eight voxels were each seen at least min_weight looks.
-  explicit MeshCache(double min_weight = 0.05) : min_weight_(min_weight) {}
-  // Returns how many blocks were made anew: those that changed and their lower neighbours.
+  explicit MeshCache(const MeshOptions& options = {}) : options_(options) {}
+  // Returns how many blocks were made anew: those that changed and those beside them that need them.
   int update(const Volume& volume);
   void append_to(Mesh& mesh, const Rigid3& T_world_volume) const;
 
@@ -31,8 +38,11 @@ class MeshCache {
     std::uint32_t changed = 0;
     Mesh mesh;
   };
-  double min_weight_;
+  MeshOptions options_;
   std::unordered_map<std::uint64_t, Piece> pieces_;
 };
+
+// Leaves out patches (triangles joined by vertices of the same place) with less surface than this: noise.
+void drop_specks(Mesh& mesh, double least_area_m2);
 
 }  // namespace povslam

@@ -66,8 +66,8 @@ void LooseSurface::forget_known(const MapObject& object) {
   }
 }
 
-void LooseSurface::append_to(Mesh& mesh, double min_weight) {
-  MeshCache cache(min_weight);
+void LooseSurface::append_to(Mesh& mesh, const MeshOptions& options) {
+  MeshCache cache(options);
   cache.update(volume_);
   cache.append_to(mesh, Rigid3{});
 }

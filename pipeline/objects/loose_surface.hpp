@@ -16,7 +16,7 @@ class LooseSurface {
 
   // The view that the library observed last, after everything else: its owners are written over.
   void observe(DepthView& view, const ObjectLibrary& library);
-  void append_to(Mesh& mesh, double min_weight);
+  void append_to(Mesh& mesh, const MeshOptions& options);
 
  private:
   void forget_known(const MapObject& object);

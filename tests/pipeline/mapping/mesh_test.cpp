@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <random>
 #include <tuple>
 
 #include "pipeline/mapping/cube_triangles.hpp"
@@ -172,6 +173,91 @@ TEST(Mesh, IsAppendedWhereTheVolumeStands) {
   ASSERT_EQ(mesh.triangles.size(), 2 * triangles);
   EXPECT_EQ(mesh.triangles[triangles][0], mesh.triangles[0][0] + vertices);
   EXPECT_NEAR(mesh.vertices[vertices].x(), mesh.vertices[0].x() + 5.0F, 1e-5F);
+}
+
+// Distance of the farthest triangle behind the front of a box that was seen from one place only.
+float deepest_behind_front_m(bool rims) {
+  const Box box{{2.0, -0.33, 0.0}, {3.0, 0.33, 0.66}};
+  const Wall wall{{1.0, 0.0, 0.0}, 4.5};
+  Volume volume({});
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Rigid3 eye = looking({0.0, 0.0, 0.4}, {2.0, 0.0, 0.4});
+    integrate(volume, render({{box, kFirstInstance}, {wall}}, eye, {.noise = 1.0, .seed = seed}), kFirstInstance, {},
+              {});
+  }
+  MeshCache cache({.rims = rims});
+  cache.update(volume);
+  Mesh mesh;
+  cache.append_to(mesh, {});
+  EXPECT_GT(mesh.triangles.size(), 150U) << "the front is there";
+  float deepest_m = 0.0F;
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t vertex : t) deepest_m = std::max(deepest_m, mesh.vertices[vertex].x() - 2.0F);
+  }
+  return deepest_m;
+}
+
+TEST(Mesh, WithoutRimsDoesNotFollowTheLineOfSightBehindAThing) {
+  EXPECT_GT(deepest_behind_front_m(true), 0.12F);
+  EXPECT_LT(deepest_behind_front_m(false), 0.08F);
+}
+
+TEST(Mesh, WithoutRimsIsWholeWhereTheSurfaceWasSeen) {
+  const Ball ball{{0.3, -0.2, 0.5}, 0.4};
+  Volume volume({});
+  for (const double height : {1.2, 0.0, -1.2}) {
+    for (const Rigid3& pose : ring(ball.centre, 1.5, height, 8)) {
+      integrate(volume, render({{ball, kFirstInstance}}, pose), kFirstInstance, {}, {});
+    }
+  }
+  MeshCache without({.rims = false});
+  without.update(volume);
+  Mesh mesh;
+  without.append_to(mesh, {});
+  EXPECT_GT(static_cast<double>(mesh.triangles.size()), 0.97 * static_cast<double>(mesh_of(volume).triangles.size()));
+}
+
+TEST(Mesh, WithoutRimsOfPiecesIsTheSameAsMadeAtOnce) {
+  Volume volume = ball_volume(0.7);
+  MeshCache pieces({.rims = false}), at_once({.rims = false});
+  pieces.update(volume);
+  std::mt19937 random(5);
+  for (const BlockKey key : {BlockKey{-1, -1, 0}, {1, 0, -1}}) {
+    const int index = volume.find(key);
+    for (auto& distance : volume.block(index).distance) {
+      distance = static_cast<std::int16_t>(std::uniform_int_distribution<int>(-kDistanceUnits, kDistanceUnits)(random));
+    }
+    volume.mark_changed(index);
+  }
+  pieces.update(volume);
+  at_once.update(volume);
+  Mesh a, b;
+  pieces.append_to(a, {});
+  at_once.append_to(b, {});
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.triangles, b.triangles);
+}
+
+TEST(Mesh, LosesPatchesThatAreTooSmallToBeSurfaces) {
+  Mesh mesh = mesh_of(ball_volume(0.7));
+  const std::size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
+  const Mesh speck = mesh_of(ball_volume(0.06, {0.025, 0.0, 0.0}));
+  ASSERT_GE(speck.triangles.size(), 8U);
+  for (const auto& t : speck.triangles) {
+    mesh.triangles.push_back({t[0] + static_cast<std::uint32_t>(vertices), t[1] + static_cast<std::uint32_t>(vertices),
+                              t[2] + static_cast<std::uint32_t>(vertices)});
+  }
+  mesh.vertices.insert(mesh.vertices.begin() + static_cast<std::ptrdiff_t>(vertices), speck.vertices.begin(),
+                       speck.vertices.end());
+  mesh.colors.resize(mesh.vertices.size());
+  const Mesh before = mesh;
+  drop_specks(mesh, 0.06);
+  EXPECT_EQ(mesh.vertices.size(), vertices);
+  EXPECT_EQ(mesh.triangles.size(), triangles);
+  EXPECT_EQ(open_edges(mesh), 0);
+  Mesh kept = before;
+  drop_specks(kept, 0.03);
+  EXPECT_EQ(kept.triangles, before.triangles) << "its 450 square centimetres are enough";
 }
 
 TEST(Mesh, OfAViewedBallLiesOnIt) {

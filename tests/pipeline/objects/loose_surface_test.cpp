@@ -24,7 +24,7 @@ class LooseSurfaceStory : public testing::Test {
   }
   std::size_t triangles() {
     Mesh mesh;
-    loose.append_to(mesh, 0.1);
+    loose.append_to(mesh, {.min_weight = 0.1});
     return mesh.triangles.size();
   }
 
