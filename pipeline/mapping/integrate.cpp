@@ -52,10 +52,11 @@ class RayRow {
   RayRow(const DepthView& view, std::uint16_t owner, int stride_px)
       : view_(view), owner_(owner), stride_px_(stride_px), size_((view.camera.width + stride_px - 1) / stride_px) {
     for (std::vector<float>* values : {&depth_m_, &column_}) values->resize(static_cast<std::size_t>(size_));
-    keys_.resize(static_cast<std::size_t>(size_));
+    for (std::vector<std::uint32_t>* values : {&keys_, &scratch_}) values->resize(static_cast<std::size_t>(size_) + 17);
   }
 
   void read(int row) {
+    fetch(std::min(row + stride_px_, view_.camera.height - 1));
     const float* depth = view_.depth_m.row(row);
     const std::uint16_t* whose = view_.owner.row(row);
     std::size_t count = 0;
@@ -68,21 +69,32 @@ class RayRow {
   }
 
   std::span<const std::uint32_t> find_keys(const RayBlocks& rays, const MappingKernels& kernels) {
-    kernels.find_keys(&rays, depth_m_.data(), column_.data(), static_cast<int>(count_), keys_.data());
-    return {keys_.data(), count_};
+    const int different = kernels.find_keys(&rays, depth_m_.data(), column_.data(), static_cast<int>(count_),
+                                            keys_.data(), scratch_.data());
+    return {keys_.data(), static_cast<std::size_t>(different)};
   }
 
  private:
+  // Starts to bring a row near: the processor does not expect it so far from the last one.
+  void fetch(int row) const {
+    const auto *depth = reinterpret_cast<const char*>(view_.depth_m.row(row)),
+               *whose = reinterpret_cast<const char*>(view_.owner.row(row));
+    const std::size_t columns = static_cast<std::size_t>(view_.camera.width);
+    for (std::size_t k = 0; k < columns * sizeof(float); k += 64) __builtin_prefetch(depth + k);
+    for (std::size_t k = 0; k < columns * sizeof(std::uint16_t); k += 64) __builtin_prefetch(whose + k);
+  }
+
   const DepthView& view_;
   std::uint16_t owner_;
   int stride_px_, size_;
   std::size_t count_ = 0;
   std::vector<float> depth_m_, column_;
-  std::vector<std::uint32_t> keys_;
+  std::vector<std::uint32_t> keys_, scratch_;
 };
 
-void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_volume_camera,
-                             int stride_px, const MappingKernels& kernels, IntegrateReport& report) {
+void allocate_about_surfaces(Volume& volume, const DepthView& view, const FarthestDepth& farthest, std::uint16_t owner,
+                             const Rigid3& T_volume_camera, int stride_px, const MappingKernels& kernels,
+                             IntegrateReport& report) {
   Allocator allocator(volume, report);
   const double per_block = 1.0 / (kBlockEdge * volume.options().voxel_size_m);
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
@@ -103,16 +115,14 @@ void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_
   store(along, blocks.along);
   RayRow rays(view, owner, stride_px);
   for (int row = 0; row < c.height; row += stride_px) {
+    if (farthest.measured()[row] == 0) continue;
     rays.read(row);
     const Eigen::Vector3f first = rotation.col(2) + rotation.col(1) * static_cast<float>((row - c.cy) / c.fy) -
                                   rotation.col(0) * static_cast<float>(c.cx / c.fx);
     store(first, blocks.first);
     for (int k = 0; k <= steps; ++k) {
       blocks.ahead_m = truncation_m * (2.0F * static_cast<float>(k) / static_cast<float>(steps) - 1.0F);
-      std::uint32_t last = ~0U;
       for (const std::uint32_t key : rays.find_keys(blocks, kernels)) {
-        if (key == last) continue;
-        last = key;
         allocator.ask({origin.x + static_cast<std::int32_t>(key & kMask),
                        origin.y + static_cast<std::int32_t>(key >> kKeyBits & kMask),
                        origin.z + static_cast<std::int32_t>(key >> 2 * kKeyBits & kMask)});
@@ -128,14 +138,14 @@ struct Look {
   std::vector<std::uint16_t> scratch;
   float unit_m = 0.0F;
 
-  void make(const DepthView& view, std::uint16_t owner, const PixelBox& box, float farthest_m,
+  void make(const DepthView& view, std::uint16_t owner, const PixelBox& box, const FarthestDepth& farthest,
             const MappingKernels& kernels) {
     const std::size_t wanted = static_cast<std::size_t>(box.columns()) * static_cast<std::size_t>(box.rows());
     if (pixels.size() <= wanted) pixels.resize(wanted + 1);
     pixels[wanted] = 0;
     const std::size_t row = static_cast<std::size_t>(kLookScratch * (box.columns() + 2 * kClearRadius));
     if (scratch.size() < row) scratch.resize(row);
-    unit_m = farthest_m / kMostUnits;
+    unit_m = farthest.within({0, 0, view.camera.width, view.camera.height}) / kMostUnits;
     const LookSource source{view.depth_m.data(),
                             view.owner.data(),
                             view.camera.width,
@@ -147,7 +157,8 @@ struct Look {
                             box.rows(),
                             kNobody,
                             owner,
-                            unit_m};
+                            unit_m,
+                            farthest.measured()};
     kernels.make_look(&source, pixels.data(), scratch.data());
   }
 };
@@ -235,15 +246,16 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
   const MappingKernels& kernels = mapping_kernels();
   IntegrateReport report;
   const Rigid3 T_camera_volume = view.T_world_camera.inverse() * T_world_volume;
-  allocate_about_surfaces(volume, view, owner, T_camera_volume.inverse(), options.allocation_stride_px, kernels,
-                          report);
-  const VisibleBlocks visible = visible_blocks(volume, view, T_camera_volume);
+  const FarthestDepth farthest(view.depth_m);
+  allocate_about_surfaces(volume, view, farthest, owner, T_camera_volume.inverse(), options.allocation_stride_px,
+                          kernels, report);
+  const VisibleBlocks visible = visible_blocks(volume, view, farthest, T_camera_volume);
   report.blocks_in_view = static_cast<int>(visible.indices.size());
   if (visible.indices.empty()) return report;
 
   const VoxelProjection projection(volume, view.camera, visible.box, T_camera_volume);
   thread_local Look look;
-  look.make(view, owner, visible.box, visible.farthest_m, kernels);
+  look.make(view, owner, visible.box, farthest, kernels);
   const IntegratePass pass = make_pass(volume, view, options, visible.box, projection.rays(), look);
   std::vector<BlockKey> emptied;
   for (std::size_t k = 0; k < visible.indices.size(); ++k) {

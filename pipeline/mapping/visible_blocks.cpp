@@ -7,43 +7,6 @@ namespace povslam {
 
 namespace {
 
-constexpr int kTile = 32;  // px
-
-// The largest depth measured in each tile of the image.
-class FarthestDepth {
- public:
-  explicit FarthestDepth(const ImageF& depth_m)
-      : columns_((depth_m.width() + kTile - 1) / kTile),
-        farthest_m_(static_cast<std::size_t>(columns_) *
-                    static_cast<std::size_t>((depth_m.height() + kTile - 1) / kTile)) {
-    std::vector<float> row(static_cast<std::size_t>(columns_) * kTile);
-    for (int top = 0; top < depth_m.height(); top += kTile) {
-      std::fill(row.begin(), row.end(), 0.0F);
-      for (int y = top; y < std::min(top + kTile, depth_m.height()); ++y) {
-        const float* depth = depth_m.row(y);
-        float* most = row.data();
-        for (int x = 0; x < depth_m.width(); ++x) most[x] = depth[x] > most[x] ? depth[x] : most[x];
-      }
-      for (int k = 0; k < columns_; ++k) {
-        at(k, top / kTile) = *std::max_element(row.begin() + k * kTile, row.begin() + (k + 1) * kTile);
-      }
-    }
-  }
-  float within(const PixelBox& box) const {
-    float most = 0.0F;
-    for (int y = box.y0 / kTile; y <= (box.y1 - 1) / kTile; ++y) {
-      for (int x = box.x0 / kTile; x <= (box.x1 - 1) / kTile; ++x) most = std::max(most, at(x, y));
-    }
-    return most;
-  }
-
- private:
-  float& at(int x, int y) { return farthest_m_[static_cast<std::size_t>(y * columns_ + x)]; }
-  float at(int x, int y) const { return farthest_m_[static_cast<std::size_t>(y * columns_ + x)]; }
-  int columns_;
-  std::vector<float> farthest_m_;
-};
-
 // Pixels that may be covered by what lies within `half` (along the camera's axes) of a point, within the image; empty
 // if none.
 PixelBox pixels_of(const PinholeCamera& camera, const Eigen::Vector3f& p_camera, const Eigen::Vector3f& half) {
@@ -64,9 +27,40 @@ PixelBox pixels_of(const PinholeCamera& camera, const Eigen::Vector3f& p_camera,
 
 }  // namespace
 
-VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume) {
+FarthestDepth::FarthestDepth(const ImageF& depth_m)
+    : columns_((depth_m.width() + kTile - 1) / kTile),
+      farthest_m_(static_cast<std::size_t>(columns_) *
+                  static_cast<std::size_t>((depth_m.height() + kTile - 1) / kTile)),
+      measured_(static_cast<std::size_t>(depth_m.height())) {
+  std::vector<float> row(static_cast<std::size_t>(columns_) * kTile);
+  for (int top = 0; top < depth_m.height(); top += kTile) {
+    const int bottom = std::min(top + kTile, depth_m.height());
+    std::fill(row.begin(), row.end(), 0.0F);
+    for (int y = top; y < bottom; ++y) {
+      const float* depth = depth_m.row(y);
+      float* most = row.data();
+      for (int x = 0; x < depth_m.width(); ++x) most[x] = depth[x] > most[x] ? depth[x] : most[x];
+    }
+    float of_row = 0.0F;
+    for (int k = 0; k < columns_; ++k) {
+      at(k, top / kTile) = *std::max_element(row.begin() + k * kTile, row.begin() + (k + 1) * kTile);
+      of_row = std::max(of_row, at(k, top / kTile));
+    }
+    std::fill(measured_.begin() + top, measured_.begin() + bottom, std::uint8_t{of_row > 0.0F});
+  }
+}
+
+float FarthestDepth::within(const PixelBox& box) const {
+  float most = 0.0F;
+  for (int y = box.y0 / kTile; y <= (box.y1 - 1) / kTile; ++y) {
+    for (int x = box.x0 / kTile; x <= (box.x1 - 1) / kTile; ++x) most = std::max(most, at(x, y));
+  }
+  return most;
+}
+
+VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const FarthestDepth& farthest,
+                             const Rigid3& T_camera_volume) {
   VisibleBlocks visible;
-  const FarthestDepth farthest(view.depth_m);
   const auto edge_m = static_cast<float>(kBlockEdge * volume.options().voxel_size_m);
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
   const Eigen::Matrix3f rotation = T_camera_volume.matrix3().cast<float>() * edge_m;
@@ -74,8 +68,7 @@ VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const 
   const Eigen::Vector3f half =
       rotation.cwiseAbs() * Eigen::Vector3f::Constant(0.5F * (kBlockEdge - 1.0F) / static_cast<float>(kBlockEdge));
   const Eigen::Vector3f first = T_camera_volume.translation.cast<float>() + rotation * Eigen::Vector3f::Constant(0.5F);
-  visible.farthest_m = farthest.within({0, 0, view.camera.width, view.camera.height});
-  const float most = visible.farthest_m + truncation_m;
+  const float most = farthest.within({0, 0, view.camera.width, view.camera.height}) + truncation_m;
   PixelBox all{view.camera.width, view.camera.height, 0, 0};
   for (int index = 0; index < volume.num_blocks(); ++index) {
     const BlockKey& key = volume.key(index);

@@ -19,6 +19,7 @@ struct LookSource {
   int x0, y0, columns, rows;  // px, the part wanted, inside the image
   uint16_t nobody, mine;      // values of owner
   float unit_m;               // of the depths in the look; kMostUnits of it are the largest of them
+  const uint8_t* measured;    // of each row of the image: 0 if nothing was measured there
 };
 constexpr float kMostUnits = 65000.0F;
 
@@ -26,7 +27,7 @@ constexpr float kMostUnits = 65000.0F;
 // … 30 the least depth [2 units, rounded down] measured within kClearRadius, 0 where there is none; bit 31 is set where
 // somebody else's surface alone is there.
 using LookPixel = uint32_t;
-enum { kLookScratch = 12 };
+enum { kLookScratch = 17 };
 
 // Where a block's voxels fall: voxel (x, y, z) of it has p = origin + in_slice(x, y) + z next_slice, and lies at depth
 // p[2] in pixel (p[0], p[1]) / p[2] of the part. Depths, as the distances in blocks, are in units of which the
@@ -85,8 +86,10 @@ struct MappingKernels {
                               uint8_t* color);
   CompareSum (*compare_block)(const ComparePass* pass, const float* origin, const int16_t* distance,
                               const uint16_t* weight);
-  // kKeyBits each of x, y, z: the blocks of `count` rays.
-  void (*find_keys)(const RayBlocks* rays, const float* depth_m, const float* column, int count, uint32_t* keys);
+  // kKeyBits each of x, y, z: the blocks of `count` rays, those alone that differ from the one before. Returns how
+  // many. keys, scratch: room for count + 16.
+  int (*find_keys)(const RayBlocks* rays, const float* depth_m, const float* column, int count, uint32_t* keys,
+                   uint32_t* scratch);
 };
 
 }  // namespace povslam

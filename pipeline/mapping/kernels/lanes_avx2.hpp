@@ -77,6 +77,9 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b));
 }
+POVSLAM_INLINE Mask equal(Ints a, Ints b) {
+  return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));
+}
 POVSLAM_INLINE Mask within(Ints a, int size) {
   return _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(a, _mm256_set1_epi32(size - 1)), a));
 }

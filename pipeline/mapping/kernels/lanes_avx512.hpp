@@ -74,6 +74,9 @@ POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm512_cmpgt_epi32_mask(a, b);
 }
 // 0 <= a < size
+POVSLAM_INLINE Mask equal(Ints a, Ints b) {
+  return _mm512_cmpeq_epi32_mask(a, b);
+}
 POVSLAM_INLINE Mask within(Ints a, int size) {
   return _mm512_cmplt_epu32_mask(a, _mm512_set1_epi32(size));
 }

@@ -75,6 +75,9 @@ POVSLAM_INLINE Mask at_least(Floats a, Floats b) {
 POVSLAM_INLINE Mask above(Ints a, Ints b) {
   return _mm_castsi128_ps(_mm_cmpgt_epi32(a, b));
 }
+POVSLAM_INLINE Mask equal(Ints a, Ints b) {
+  return _mm_castsi128_ps(_mm_cmpeq_epi32(a, b));
+}
 POVSLAM_INLINE Mask within(Ints a, int size) {
   return _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_min_epu32(a, _mm_set1_epi32(size - 1)), a));
 }

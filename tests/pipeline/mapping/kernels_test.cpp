@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <numeric>
 #include <random>
 
 #include "pipeline/mapping/kernels/dispatch.hpp"
@@ -45,8 +46,10 @@ struct Case {
                     kUnitsPer_m * z};
     }
   }
+  std::vector<std::uint8_t> measured = std::vector<std::uint8_t>(kRows, 1);
   LookSource source(int x0, int y0, int columns, int rows) const {
-    return {depth_m.data(), owner.data(), kColumns, kRows, kColumns, x0, y0, columns, rows, 0, 2, kUnit_m};
+    return {depth_m.data(), owner.data(),   kColumns, kRows, kColumns, x0, y0, columns, rows, 0, 2,
+            kUnit_m,        measured.data()};
   }
   static BlockRays rays() {
     constexpr float kAlong[3][3] = {
@@ -120,6 +123,42 @@ TEST_P(MappingKernelsOf, TakeTheNearestDepthAroundAndSayWhoseItIs) {
       ASSERT_NEAR(static_cast<float>(pixel >> 16 & 0x7FFF) * 2.0F * kUnit_m, nearest - kUnit_m, 1.51F * kUnit_m);
       ASSERT_EQ(pixel >> 31, others ? 1U : 0U);
     }
+  }
+}
+
+TEST_P(MappingKernelsOf, NeedNotReadRowsWithoutDepth) {
+  Case c;
+  for (const auto& [first, end] : {std::pair{0, 9}, {20, 23}, {30, 50}}) {
+    std::fill(c.depth_m.begin() + first * kColumns, c.depth_m.begin() + end * kColumns, 0.0F);
+    std::fill(c.owner.begin() + first * kColumns, c.owner.begin() + end * kColumns, std::uint16_t{1});
+  }
+  const MappingKernels& kernels = mapping_kernels(GetParam());
+  const auto all_read = make_look(kernels, c.source(5, 2, 60, 50));
+  for (const auto& [first, end] : {std::pair{0, 9}, {20, 23}, {30, 50}}) {
+    std::fill(c.measured.begin() + first, c.measured.begin() + end, std::uint8_t{0});
+  }
+  EXPECT_EQ(make_look(kernels, c.source(5, 2, 60, 50)), all_read);
+}
+
+TEST_P(MappingKernelsOf, SayTheBlocksOfRaysWhereTheyChange) {
+  const Case c;
+  const RayBlocks rays{{512.3F, 512.9F, 512.5F}, {-0.8F, -0.4F, 2.0F}, {0.021F, 0.001F, 0.003F}, 0.1F};
+  std::vector<float> column(kColumns);
+  std::iota(column.begin(), column.end(), 0.0F);
+  for (const int count : {0, 1, 7, 16, 17, kColumns}) {
+    std::vector<std::uint32_t> expected, keys(static_cast<std::size_t>(count)), scratch(keys.size() + 17);
+    for (int k = 0; k < count; ++k) {
+      const float at = c.depth_m[static_cast<std::size_t>(k)] + 0.1F, x = static_cast<float>(k);
+      const auto part = [&](int i) {
+        return static_cast<std::uint32_t>(rays.start[i] + (rays.first[i] + rays.along[i] * x) * at);
+      };
+      const std::uint32_t key = part(0) | part(1) << kKeyBits | part(2) << 2 * kKeyBits;
+      if (expected.empty() || expected.back() != key) expected.push_back(key);
+    }
+    const int different = mapping_kernels(GetParam())
+                              .find_keys(&rays, c.depth_m.data(), column.data(), count, keys.data(), scratch.data());
+    keys.resize(static_cast<std::size_t>(different));
+    EXPECT_EQ(keys, expected) << count;
   }
 }
 
