@@ -6,8 +6,8 @@ namespace povslam {
 // An option added to these structs changes their size: give it a key below, then the new size here.
 static_assert(sizeof(DepthViewOptions) == 16 && sizeof(SegmentOptions) == 112 && sizeof(VolumeOptions) == 24 &&
               sizeof(IntegrateOptions) == 32 && sizeof(EmptySpaceOptions) == 16 && sizeof(ExtractOptions) == 56 &&
-              sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 80 &&
-              sizeof(NamingOptions) == 40 && sizeof(UnderstandingOptions) == 560);
+              sizeof(BeliefOptions) == 48 && sizeof(AssociateOptions) == 48 && sizeof(LifeOptions) == 88 &&
+              sizeof(NamingOptions) == 40 && sizeof(UnderstandingOptions) == 568);
 
 std::vector<Key<AppConfig>> understanding_table() {
   return {
@@ -157,6 +157,8 @@ std::vector<Key<AppConfig>> understanding_table() {
           "Of a new object whose place was seen empty before: it came"),
       key("life.hold_s", AT(pipeline.understanding.objects.life.hold_s), 0.0, 3600.0,
           "What went waits so long for being found elsewhere before it is told"),
+      key("life.settle_s", AT(pipeline.understanding.objects.life.settle_s), 0.0, 3600.0,
+          "What came is looked at so long, while it is seen, before its place is told"),
       key("life.merge_overlap", AT(pipeline.understanding.objects.life.merge_overlap), 0.0, 1.0,
           "Objects that share so much of the smaller are one"),
       key("life.part_min_m", AT(pipeline.understanding.objects.life.part_min_m), 0.0, 100.0,

@@ -36,6 +36,7 @@ double farthest_m(const DepthView& view) {
 EventDeskOptions desk_options(const LifeOptions& life) {
   EventDeskOptions options;
   options.hold = from_seconds(life.hold_s);
+  options.settle = from_seconds(life.settle_s);
   return options;
 }
 

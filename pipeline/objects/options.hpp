@@ -40,6 +40,7 @@ struct LifeOptions {
   double margin_m = 0.10;            // clearly behind, clearly before
   double empty_share = 0.25;         // of a new object's surface, standing where it was seen empty before: it came
   double hold_s = 8.0;               // an event waits so long for its other half (gone and came make moved)
+  double settle_s = 4.0;             // what came is looked at so long, while it is seen, before its place is told
   double merge_overlap = 0.5;        // of the smaller box
   double part_min_m = 0.2;           // a part this large in two directions that went is a change of its own; 0: none is
 };
