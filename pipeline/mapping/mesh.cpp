@@ -24,7 +24,7 @@ BlockKey unpacked(std::uint64_t key) {
 
 // Of true surfaces distances change by a voxel's size from voxel to voxel, more where they were looked at slantingly;
 // from a rim's free side, where nothing is within the truncation, to its hidden one by more than this many…
-constexpr double kRimStep = 5.5;
+constexpr double kRimStep = 5.0;
 // …while from there on inwards they hardly change, as they tell of the thing's front: by less than this share of it.
 constexpr double kRimFlat = 0.2;
 

@@ -82,8 +82,10 @@ Json pool(const std::vector<Json>& runs) {
     const std::vector<Json> sections = sections_of(runs, name);
     if (sections.empty()) continue;
     pooled[name] = sum_counts(sections, kVerdictCounts);
-    const std::vector<Json> each_box = sections_of(sections, "each_box");
-    if (!each_box.empty()) pooled[name]["each_box"] = sum_counts(each_box, kVerdictCounts);
+    for (const char* part : {"each_box", "knowable"}) {
+      const std::vector<Json> parts = sections_of(sections, part);
+      if (!parts.empty()) pooled[name][part] = sum_counts(parts, kVerdictCounts);
+    }
   }
   for (const char* name : {"voxels", "voxels_against_reference_map"}) {
     const std::vector<Json> sections = sections_of(runs, name);

@@ -21,19 +21,24 @@ OrientedBox moved(const Rigid3& T, const OrientedBox& box) {
   return {T * box.center_world, box.size_m, std::atan2(forward.y(), forward.x())};
 }
 
-std::vector<PlaceChange> true_changes(const SceneTruth& truth, const Sightings* sightings, std::size_t min_frames) {
+enum class Asked : std::uint8_t { what_shows, what_can_be_known };
+
+// What shows: a place that is empty now, a thing that stands there now. That something changed can be known of a thing
+// that went only if it was seen before; of one that came, if its place was seen empty before, or if it can be known to
+// have gone from where it stood.
+std::vector<PlaceChange> true_changes(const SceneTruth& truth, const Sightings* sightings, std::size_t min_frames,
+                                      Asked asked) {
   std::vector<PlaceChange> changes;
   const bool known = sightings != nullptr && sightings->have_instances;
   for (std::size_t i = 0; i < truth.objects.size(); ++i) {
     const TrueObject& object = truth.objects[i];
     if (!object.changed) continue;
     const ObjectSightings seen = known ? sightings->objects[i] : ObjectSightings{};
-    if (object.before) {
-      changes.push_back({Fate::gone, object.class_name, *object.before, !known || seen.old_place_after >= min_frames});
-    }
-    if (object.after) {
-      changes.push_back({Fate::came, object.class_name, *object.after, !known || seen.object_after >= min_frames});
-    }
+    const bool any = asked == Asked::what_shows;
+    const bool went = object.before && seen.old_place_after >= min_frames && (any || seen.object_before >= min_frames);
+    const bool came = seen.object_after >= min_frames && (any || went || seen.new_place_before >= min_frames);
+    if (object.before) changes.push_back({Fate::gone, object.class_name, *object.before, !known || went});
+    if (object.after) changes.push_back({Fate::came, object.class_name, *object.after, !known || came});
   }
   return changes;
 }
@@ -126,11 +131,16 @@ Json report_events(const SceneTruth& truth, const Sightings* sightings, const st
                    const Rigid3& T_truth_estimate, const SceneReportOptions& options) {
   std::vector<PlaceChange> reported = changes_of(events);
   for (PlaceChange& change : reported) change.box = moved(T_truth_estimate, change.box);
-  const Verdict verdict =
-      score_events(join_touching(true_changes(truth, sightings, options.min_frames), options.touch_gap_m),
-                   join_touching(reported, options.touch_gap_m), options.max_distance_m);
+  reported = join_touching(reported, options.touch_gap_m);
+  const auto score = [&](Asked asked) {
+    return score_events(join_touching(true_changes(truth, sightings, options.min_frames, asked), options.touch_gap_m),
+                        reported, options.max_distance_m);
+  };
+  const Verdict verdict = score(Asked::what_shows);
   Json json = counts_json(verdict);
   add_ratios(json);
+  json["knowable"] = counts_json(score(Asked::what_can_be_known));
+  add_ratios(json["knowable"]);
   double sum_m = 0.0;
   for (const MatchedPair& pair : verdict.matched) sum_m += pair.cost;
   if (!verdict.matched.empty()) json["mean_distance_m"] = sum_m / static_cast<double>(verdict.matched.size());

@@ -46,6 +46,7 @@ void count_objects(const TrueView& view, const SceneTruth& truth, std::vector<Ob
       counts[i].object_before += before ? 1 : 0;
     }
     if (object.changed && after && object.before && sees_place_empty(view, *object.before)) ++counts[i].old_place_after;
+    if (object.changed && !after && object.after && sees_place_empty(view, *object.after)) ++counts[i].new_place_before;
   }
 }
 

@@ -38,11 +38,12 @@ bool sees_place_empty(const TrueView& view, const OrientedBox& place);
 bool sees_point(const TrueView& view, const Eigen::Vector3d& p_world, const Eigen::Vector3d* normal_world);
 std::map<int, std::size_t> instance_pixels(const ImageU16& instances);
 
-struct ObjectSightings {            // frames in which ...
-  std::size_t object_ever = 0;      // the object was visible
-  std::size_t object_after = 0;     // ... after its change (an unchanged one: ever)
-  std::size_t object_before = 0;    // ... up to its change (an unchanged one: ever)
-  std::size_t old_place_after = 0;  // its old place was visible as empty, after its change
+struct ObjectSightings {             // frames in which ...
+  std::size_t object_ever = 0;       // the object was visible
+  std::size_t object_after = 0;      // ... after its change (an unchanged one: ever)
+  std::size_t object_before = 0;     // ... up to its change (an unchanged one: ever)
+  std::size_t old_place_after = 0;   // its old place was visible as empty, after its change
+  std::size_t new_place_before = 0;  // its new place was, before its change
 };
 
 struct Sightings {

@@ -106,6 +106,23 @@ TEST(EventScore, AChangeThatWasHardlySeenIsNeitherAskedForNorHeldAgainstTheRepor
   EXPECT_EQ(report_events(truth, &sightings, events, Rigid3{}, {}).at("recall"), 1.0);
 }
 
+TEST(EventScore, WhatNobodyCanKnowIsCountedApart) {
+  SceneTruth truth;
+  truth.objects = {{1, "box", true, 0, box_at(0.0, 0.0), box_at(2.0, 0.0)},
+                   {2, "box", true, 0, box_at(9.0, 0.0), box_at(9.0, 3.0)},
+                   {3, "box", true, 0, std::nullopt, box_at(20.0, 0.0)}};
+  Sightings sightings;
+  sightings.have_instances = true;
+  sightings.objects = {{.object_ever = 50, .object_after = 10, .object_before = 10, .old_place_after = 10},
+                       {.object_ever = 10, .object_after = 10, .object_before = 9, .old_place_after = 10},
+                       {.object_ever = 10, .object_after = 10, .new_place_before = 10}};
+  const auto json = report_events(truth, &sightings, {}, Rigid3{}, {});
+  EXPECT_EQ(json.at("truth"), 5);
+  EXPECT_EQ(json.at("knowable").at("truth"), 3) << "the first's going and coming, the third's coming";
+  sightings.objects[1].new_place_before = 10;
+  EXPECT_EQ(report_events(truth, &sightings, {}, Rigid3{}, {}).at("knowable").at("truth"), 4);
+}
+
 TEST(EventScore, TouchingBoxesOfOneClassAndFateCountAsOne) {
   const std::vector<PlaceChange> joint =
       join_touching({came(0.0, 0.0), came(0.0, 0.61), gone(0.0, 1.22), came(0.0, 9.0)}, 0.02);
