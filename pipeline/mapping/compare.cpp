@@ -38,12 +38,12 @@ Around measured_around(const ImageF& depth_m, int column, int row, float least_m
 
 DistanceComparison compare_distances(const Volume& volume, const DepthView& view, const Rigid3& T_world_volume) {
   const Rigid3 T_camera_volume = view.T_world_camera.inverse() * T_world_volume;
-  const VisibleBlocks visible = visible_blocks(volume, view, FarthestDepth(view.depth_m), T_camera_volume);
+  const std::vector<int> visible = visible_blocks(volume, view, T_camera_volume);
   const VoxelProjection projection(volume, view.camera, {0, 0, view.camera.width, view.camera.height}, T_camera_volume);
   const double truncation_m = volume.options().truncation_m;
   const ComparePass pass{projection.rays(), view.depth_m.data(), static_cast<float>(kDistanceUnits / truncation_m)};
   CompareSum sum{0, 0};
-  for (const int index : visible.indices) {
+  for (const int index : visible) {
     const VoxelBlock& block = volume.block(index);
     const Eigen::Vector3f origin = projection.origin(block.key);
     const CompareSum one =

@@ -54,6 +54,9 @@ std::optional<Footprint> footprint(const PinholeCamera& camera, const Eigen::Vec
   const float x = p_camera.x() / p_camera.z(), y = p_camera.y() / p_camera.z();
   const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
   const float u = fx * x + static_cast<float>(camera.cx) + 0.5F, v = fy * y + static_cast<float>(camera.cy) + 0.5F;
+  if (u < 0.0F || v < 0.0F || u >= static_cast<float>(camera.width) || v >= static_cast<float>(camera.height)) {
+    return std::nullopt;
+  }
   const float half_x = fx * radius_m / nearest_m * std::sqrt(1.0F + x * x);
   const float half_y = fy * radius_m / nearest_m * std::sqrt(1.0F + y * y);
   if (u < half_x || v < half_y || u + half_x >= static_cast<float>(camera.width) ||
@@ -105,7 +108,8 @@ void EmptySpace::observe_block(const DepthView& view, const NearestDepth& neares
     const Eigen::Vector3f middle(static_cast<float>(k % kEdge) + 0.5F, static_cast<float>(k / kEdge % kEdge) + 0.5F,
                                  static_cast<float>(k / kEdge / kEdge) + 0.5F);
     const auto seen_at = footprint(view.camera, first + rotation * middle, radius_m);
-    if (!seen_at || !(view.depth_m.at(seen_at->column, seen_at->row) > 0.0F)) continue;
+    // The pixel at its middle alone rules most cells out: those without depth, and those behind what is measured there.
+    if (!seen_at || !(view.depth_m.at(seen_at->column, seen_at->row) > seen_at->depth_m + radius_m)) continue;
     const float behind_m = nearest.within(seen_at->box);
     const auto sigma_m = static_cast<float>(std::hypot(
         noise_.quadratic_per_m * static_cast<double>(behind_m) * static_cast<double>(behind_m), noise_.floor_m));

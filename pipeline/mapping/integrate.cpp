@@ -55,7 +55,7 @@ class RayRow {
     for (std::vector<std::uint32_t>* values : {&keys_, &scratch_}) values->resize(static_cast<std::size_t>(size_) + 17);
   }
 
-  void read(int row) {
+  bool read(int row) {  // whether there are any
     fetch(std::min(row + stride_px_, view_.camera.height - 1));
     const float* depth = view_.depth_m.row(row);
     const std::uint16_t* whose = view_.owner.row(row);
@@ -66,6 +66,7 @@ class RayRow {
       count += (whose[column] == owner_) & (depth[column] > 0.0F);
     }
     count_ = count;
+    return count > 0;
   }
 
   std::span<const std::uint32_t> find_keys(const RayBlocks& rays, const MappingKernels& kernels) {
@@ -92,9 +93,8 @@ class RayRow {
   std::vector<std::uint32_t> keys_, scratch_;
 };
 
-void allocate_about_surfaces(Volume& volume, const DepthView& view, const FarthestDepth& farthest, std::uint16_t owner,
-                             const Rigid3& T_volume_camera, int stride_px, const MappingKernels& kernels,
-                             IntegrateReport& report) {
+void allocate_about_surfaces(Volume& volume, const DepthView& view, std::uint16_t owner, const Rigid3& T_volume_camera,
+                             int stride_px, const MappingKernels& kernels, IntegrateReport& report) {
   Allocator allocator(volume, report);
   const double per_block = 1.0 / (kBlockEdge * volume.options().voxel_size_m);
   const auto truncation_m = static_cast<float>(volume.options().truncation_m);
@@ -115,8 +115,7 @@ void allocate_about_surfaces(Volume& volume, const DepthView& view, const Farthe
   store(along, blocks.along);
   RayRow rays(view, owner, stride_px);
   for (int row = 0; row < c.height; row += stride_px) {
-    if (farthest.measured()[row] == 0) continue;
-    rays.read(row);
+    if (!rays.read(row)) continue;
     const Eigen::Vector3f first = rotation.col(2) + rotation.col(1) * static_cast<float>((row - c.cy) / c.fy) -
                                   rotation.col(0) * static_cast<float>(c.cx / c.fx);
     store(first, blocks.first);
@@ -135,17 +134,20 @@ void allocate_about_surfaces(Volume& volume, const DepthView& view, const Farthe
 // for each call would cost as much as the work on it.
 struct Look {
   std::vector<LookPixel> pixels;
-  std::vector<std::uint16_t> scratch;
+  std::vector<std::uint16_t> farthest, scratch;
+  PixelBox box;
   float unit_m = 0.0F;
 
-  void make(const DepthView& view, std::uint16_t owner, const PixelBox& box, const FarthestDepth& farthest,
-            const MappingKernels& kernels) {
+  void make(const DepthView& view, std::uint16_t owner, const PixelBox& of, const MappingKernels& kernels) {
+    box = of;
     const std::size_t wanted = static_cast<std::size_t>(box.columns()) * static_cast<std::size_t>(box.rows());
     if (pixels.size() <= wanted) pixels.resize(wanted + 1);
     pixels[wanted] = 0;
+    const auto tiles = static_cast<std::size_t>(look_tiles(box.columns()) * look_tiles(box.rows()));
+    if (farthest.size() < tiles) farthest.resize(tiles);
     const std::size_t row = static_cast<std::size_t>(kLookScratch * (box.columns() + 2 * kClearRadius));
     if (scratch.size() < row) scratch.resize(row);
-    unit_m = farthest.within({0, 0, view.camera.width, view.camera.height}) / kMostUnits;
+    unit_m = static_cast<float>(view.max_depth_m) / kMostUnits;
     const LookSource source{view.depth_m.data(),
                             view.owner.data(),
                             view.camera.width,
@@ -157,21 +159,32 @@ struct Look {
                             box.rows(),
                             kNobody,
                             owner,
-                            unit_m,
-                            farthest.measured()};
-    kernels.make_look(&source, pixels.data(), scratch.data());
+                            unit_m};
+    kernels.make_look(&source, pixels.data(), farthest.data(), scratch.data());
+  }
+
+  // Whether something was measured where the block lies, and not all of it before the block by more than `behind_m`.
+  bool reaches(const BlockInView& block, float behind_m) const {
+    const int columns = look_tiles(box.columns());
+    const int left = (block.box.x0 - box.x0) / kLookTile, right = (block.box.x1 - 1 - box.x0) / kLookTile;
+    std::uint16_t most = 0;
+    for (int y = (block.box.y0 - box.y0) / kLookTile; y <= (block.box.y1 - 1 - box.y0) / kLookTile; ++y) {
+      const std::uint16_t* tile = farthest.data() + y * columns;
+      for (int x = left; x <= right; ++x) most = std::max(most, tile[x]);
+    }
+    return most > 0 && block.nearest_m <= (static_cast<float>(most) + 1.0F) * unit_m + behind_m;
   }
 };
 
 IntegratePass make_pass(const Volume& volume, const DepthView& view, const IntegrateOptions& options,
-                        const PixelBox& box, const BlockRays& rays, const Look& look) {
+                        const BlockRays& rays, const Look& look) {
   const double units_per_m = kDistanceUnits / volume.options().truncation_m;
   const double voxel = volume.options().voxel_size_m * units_per_m;
   IntegratePass pass{};
   pass.rays = rays;
   pass.look = look.pixels.data();
   pass.look_unit = static_cast<float>(static_cast<double>(look.unit_m) * units_per_m);
-  pass.color = view.color.empty() ? nullptr : &view.color.at(box.x0, box.y0);
+  pass.color = view.color.empty() ? nullptr : &view.color.at(look.box.x0, look.box.y0);
   pass.color_last = view.color.size() < 4 ? nullptr : view.color.data() + view.color.size() - 4;
   pass.color_stride = static_cast<std::int64_t>(view.color.stride());
   pass.channels = view.color.channels();
@@ -246,21 +259,23 @@ IntegrateReport integrate(Volume& volume, const DepthView& view, std::uint16_t o
   const MappingKernels& kernels = mapping_kernels();
   IntegrateReport report;
   const Rigid3 T_camera_volume = view.T_world_camera.inverse() * T_world_volume;
-  const FarthestDepth farthest(view.depth_m);
-  allocate_about_surfaces(volume, view, farthest, owner, T_camera_volume.inverse(), options.allocation_stride_px,
-                          kernels, report);
-  const VisibleBlocks visible = visible_blocks(volume, view, farthest, T_camera_volume);
-  report.blocks_in_view = static_cast<int>(visible.indices.size());
-  if (visible.indices.empty()) return report;
+  allocate_about_surfaces(volume, view, owner, T_camera_volume.inverse(), options.allocation_stride_px, kernels,
+                          report);
+  thread_local std::vector<BlockInView> in_view;
+  const PixelBox box = blocks_in_view(volume, view, T_camera_volume, in_view);
+  if (in_view.empty()) return report;
 
-  const VoxelProjection projection(volume, view.camera, visible.box, T_camera_volume);
   thread_local Look look;
-  look.make(view, owner, visible.box, farthest, kernels);
-  const IntegratePass pass = make_pass(volume, view, options, visible.box, projection.rays(), look);
+  look.make(view, owner, box, kernels);
+  const auto behind_m = static_cast<float>(volume.options().truncation_m);
+  std::erase_if(in_view, [&](const BlockInView& block) { return !look.reaches(block, behind_m); });
+  report.blocks_in_view = static_cast<int>(in_view.size());
+  const VoxelProjection projection(volume, view.camera, box, T_camera_volume);
+  const IntegratePass pass = make_pass(volume, view, options, projection.rays(), look);
   std::vector<BlockKey> emptied;
-  for (std::size_t k = 0; k < visible.indices.size(); ++k) {
-    const int index = visible.indices[k];
-    if (k + 1 < visible.indices.size()) fetch(volume.block(visible.indices[k + 1]), pass.color != nullptr);
+  for (std::size_t k = 0; k < in_view.size(); ++k) {
+    const int index = in_view[k].index;
+    if (k + 1 < in_view.size()) fetch(volume.block(in_view[k + 1].index), pass.color != nullptr);
     VoxelBlock& block = volume.block(index);
     const BlockPlace place = place_of(projection, block.key, options);
     const unsigned outcome =

@@ -15,13 +15,19 @@ NearestDepth::NearestDepth(const ImageF& depth_m) {
   const auto tiles = [](int size) { return (size + (1 << kFirstShift) - 1) >> kFirstShift; };
   ImageF& first = levels_.emplace_back(tiles(depth_m.width()), tiles(depth_m.height()));
   first.fill(kNothing_m);
-  for (int y = 0; y < depth_m.height(); ++y) {
-    const float* depth = depth_m.row(y);
-    float* tile = first.row(y >> kFirstShift);
-    for (int x = 0; x < depth_m.width(); ++x) {
-      float& least = tile[x >> kFirstShift];
-      if (depth[x] > 0.0F && depth[x] < least) least = depth[x];
+  std::vector<float> least(static_cast<std::size_t>(first.width()) << kFirstShift);
+  for (int top = 0; top < depth_m.height(); top += 1 << kFirstShift) {
+    std::fill(least.begin(), least.end(), kNothing_m);
+    for (int y = top; y < std::min(top + (1 << kFirstShift), depth_m.height()); ++y) {
+      const float* depth = depth_m.row(y);
+      float* of_column = least.data();  // without branches: the loop becomes vectors
+      for (int x = 0; x < depth_m.width(); ++x) {
+        const float measured = depth[x] > 0.0F ? depth[x] : kNothing_m;
+        of_column[x] = measured < of_column[x] ? measured : of_column[x];
+      }
     }
+    float* tile = first.row(top >> kFirstShift);
+    for (std::size_t x = 0; x < least.size(); ++x) tile[x >> kFirstShift] = std::min(tile[x >> kFirstShift], least[x]);
   }
   levels_.reserve(kLevels);
   for (int k = 1; k < kLevels; ++k) {

@@ -25,65 +25,80 @@ PixelBox pixels_of(const PinholeCamera& camera, const Eigen::Vector3f& p_camera,
           within(v + half_y + 1.0F, camera.height)};
 }
 
+// The largest depth measured in each tile of the image.
+class FarthestDepth {
+ public:
+  explicit FarthestDepth(const ImageF& depth_m)
+      : columns_((depth_m.width() + kTile - 1) / kTile),
+        farthest_m_(static_cast<std::size_t>(columns_) *
+                    static_cast<std::size_t>((depth_m.height() + kTile - 1) / kTile)) {
+    std::vector<float> row(static_cast<std::size_t>(columns_) * kTile);
+    for (int top = 0; top < depth_m.height(); top += kTile) {
+      std::fill(row.begin(), row.end(), 0.0F);
+      for (int y = top; y < std::min(top + kTile, depth_m.height()); ++y) {
+        const float* depth = depth_m.row(y);
+        float* most = row.data();
+        for (int x = 0; x < depth_m.width(); ++x) most[x] = depth[x] > most[x] ? depth[x] : most[x];
+      }
+      for (int k = 0; k < columns_; ++k) {
+        at(k, top / kTile) = *std::max_element(row.begin() + k * kTile, row.begin() + (k + 1) * kTile);
+      }
+    }
+  }
+  float within(const PixelBox& box) const {
+    float most = 0.0F;
+    for (int y = box.y0 / kTile; y <= (box.y1 - 1) / kTile; ++y) {
+      for (int x = box.x0 / kTile; x <= (box.x1 - 1) / kTile; ++x) most = std::max(most, at(x, y));
+    }
+    return most;
+  }
+
+ private:
+  static constexpr int kTile = 32;  // px
+  float& at(int x, int y) { return farthest_m_[static_cast<std::size_t>(y * columns_ + x)]; }
+  float at(int x, int y) const { return farthest_m_[static_cast<std::size_t>(y * columns_ + x)]; }
+  int columns_;
+  std::vector<float> farthest_m_;
+};
+
 }  // namespace
 
-FarthestDepth::FarthestDepth(const ImageF& depth_m)
-    : columns_((depth_m.width() + kTile - 1) / kTile),
-      farthest_m_(static_cast<std::size_t>(columns_) *
-                  static_cast<std::size_t>((depth_m.height() + kTile - 1) / kTile)),
-      measured_(static_cast<std::size_t>(depth_m.height())) {
-  std::vector<float> row(static_cast<std::size_t>(columns_) * kTile);
-  for (int top = 0; top < depth_m.height(); top += kTile) {
-    const int bottom = std::min(top + kTile, depth_m.height());
-    std::fill(row.begin(), row.end(), 0.0F);
-    for (int y = top; y < bottom; ++y) {
-      const float* depth = depth_m.row(y);
-      float* most = row.data();
-      for (int x = 0; x < depth_m.width(); ++x) most[x] = depth[x] > most[x] ? depth[x] : most[x];
-    }
-    float of_row = 0.0F;
-    for (int k = 0; k < columns_; ++k) {
-      at(k, top / kTile) = *std::max_element(row.begin() + k * kTile, row.begin() + (k + 1) * kTile);
-      of_row = std::max(of_row, at(k, top / kTile));
-    }
-    std::fill(measured_.begin() + top, measured_.begin() + bottom, std::uint8_t{of_row > 0.0F});
-  }
-}
-
-float FarthestDepth::within(const PixelBox& box) const {
-  float most = 0.0F;
-  for (int y = box.y0 / kTile; y <= (box.y1 - 1) / kTile; ++y) {
-    for (int x = box.x0 / kTile; x <= (box.x1 - 1) / kTile; ++x) most = std::max(most, at(x, y));
-  }
-  return most;
-}
-
-VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const FarthestDepth& farthest,
-                             const Rigid3& T_camera_volume) {
-  VisibleBlocks visible;
+PixelBox blocks_in_view(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume,
+                        std::vector<BlockInView>& blocks) {
+  blocks.clear();
   const auto edge_m = static_cast<float>(kBlockEdge * volume.options().voxel_size_m);
-  const auto truncation_m = static_cast<float>(volume.options().truncation_m);
   const Eigen::Matrix3f rotation = T_camera_volume.matrix3().cast<float>() * edge_m;
   // Of the middles of a block's voxels.
   const Eigen::Vector3f half =
       rotation.cwiseAbs() * Eigen::Vector3f::Constant(0.5F * (kBlockEdge - 1.0F) / static_cast<float>(kBlockEdge));
   const Eigen::Vector3f first = T_camera_volume.translation.cast<float>() + rotation * Eigen::Vector3f::Constant(0.5F);
-  const float most = farthest.within({0, 0, view.camera.width, view.camera.height}) + truncation_m;
+  const auto most = static_cast<float>(view.max_depth_m + volume.options().truncation_m);
   PixelBox all{view.camera.width, view.camera.height, 0, 0};
   for (int index = 0; index < volume.num_blocks(); ++index) {
     const BlockKey& key = volume.key(index);
     const Eigen::Vector3f centre =
         first +
         rotation * Eigen::Vector3f(static_cast<float>(key.x), static_cast<float>(key.y), static_cast<float>(key.z));
-    if (centre.z() < -half.z() || centre.z() - half.z() > most) continue;
+    const float nearest_m = centre.z() - half.z();
+    if (centre.z() < -half.z() || nearest_m > most) continue;
     const PixelBox box = pixels_of(view.camera, centre, half);
     if (box.columns() <= 0 || box.rows() <= 0) continue;
-    const float seen_to = farthest.within(box);
-    if (seen_to == 0.0F || centre.z() - half.z() > seen_to + truncation_m) continue;
-    visible.indices.push_back(index);
+    blocks.push_back({index, box, nearest_m});
     all = {std::min(all.x0, box.x0), std::min(all.y0, box.y0), std::max(all.x1, box.x1), std::max(all.y1, box.y1)};
   }
-  visible.box = all;
+  return all;
+}
+
+std::vector<int> visible_blocks(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume) {
+  std::vector<BlockInView> in_view;
+  blocks_in_view(volume, view, T_camera_volume, in_view);
+  const FarthestDepth farthest(view.depth_m);
+  const auto truncation_m = static_cast<float>(volume.options().truncation_m);
+  std::vector<int> visible;
+  for (const BlockInView& block : in_view) {
+    const float seen_to = farthest.within(block.box);
+    if (seen_to > 0.0F && block.nearest_m <= seen_to + truncation_m) visible.push_back(block.index);
+  }
   return visible;
 }
 

@@ -15,30 +15,17 @@ struct PixelBox {  // of an image: columns x0 … x1 - 1
   int rows() const { return y1 - y0; }
 };
 
-// The largest depth measured in each tile of kTile x kTile pixels.
-class FarthestDepth {
- public:
-  static constexpr int kTile = 32;
-
-  explicit FarthestDepth(const ImageF& depth_m);
-  float within(const PixelBox& box) const;  // not empty, in the image; and of some pixels around
-  const std::uint8_t* measured() const { return measured_.data(); }  // of each row, with its tiles: 0 if nothing was
-
- private:
-  float& at(int x, int y) { return farthest_m_[static_cast<std::size_t>(y * columns_ + x)]; }
-  float at(int x, int y) const { return farthest_m_[static_cast<std::size_t>(y * columns_ + x)]; }
-  int columns_;
-  std::vector<float> farthest_m_;
-  std::vector<std::uint8_t> measured_;
+struct BlockInView {
+  int index = 0;
+  PixelBox box;            // holds all pixels it falls on
+  float nearest_m = 0.0F;  // of its voxels' depths
 };
-
-struct VisibleBlocks {
-  std::vector<int> indices;
-  PixelBox box;  // holds all pixels they fall on
-};
-// Of the blocks that lie in the picture, not wholly behind what was measured there by more than the truncation.
-VisibleBlocks visible_blocks(const Volume& volume, const DepthView& view, const FarthestDepth& farthest,
-                             const Rigid3& T_camera_volume);
+// Of the blocks that lie in the picture, not wholly beyond the view's range by more than the truncation. Returns a box
+// that holds all of theirs.
+PixelBox blocks_in_view(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume,
+                        std::vector<BlockInView>& blocks);
+// Of those: not wholly behind what was measured there by more than the truncation.
+std::vector<int> visible_blocks(const Volume& volume, const DepthView& view, const Rigid3& T_camera_volume);
 
 // Projection of voxel centres into pixels of `box`, with depths in the volume's distance units.
 class VoxelProjection {

@@ -4,7 +4,7 @@
 
 #define POVSLAM_DECLARE_KERNELS(isa)                                                                \
   namespace isa {                                                                                   \
-  void make_look(const LookSource*, LookPixel*, uint16_t*);                                         \
+  void make_look(const LookSource*, LookPixel*, uint16_t*, uint16_t*);                              \
   unsigned integrate_block(const IntegratePass*, const BlockPlace*, int16_t*, uint16_t*, uint8_t*); \
   CompareSum compare_block(const ComparePass*, const float*, const int16_t*, const uint16_t*);      \
   int find_keys(const RayBlocks*, const float*, const float*, int, uint32_t*, uint32_t*);           \

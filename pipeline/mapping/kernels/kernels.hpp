@@ -18,8 +18,7 @@ struct LookSource {
   int width, height, stride;  // px, of the whole image
   int x0, y0, columns, rows;  // px, the part wanted, inside the image
   uint16_t nobody, mine;      // values of owner
-  float unit_m;               // of the depths in the look; kMostUnits of it are the largest of them
-  const uint8_t* measured;    // of each row of the image: 0 if nothing was measured there
+  float unit_m;               // of the depths in the look; those beyond kMostUnits of it count as that
 };
 constexpr float kMostUnits = 65000.0F;
 
@@ -27,7 +26,13 @@ constexpr float kMostUnits = 65000.0F;
 // … 30 the least depth [2 units, rounded down] measured within kClearRadius, 0 where there is none; bit 31 is set where
 // somebody else's surface alone is there.
 using LookPixel = uint32_t;
-enum { kLookScratch = 17 };
+enum { kLookScratch = 19 };
+
+// The largest depth [unit] measured, whoever's, in each tile of the part, row by row.
+enum { kLookTile = 16 };  // px
+constexpr int look_tiles(int size_px) {
+  return (size_px + kLookTile - 1) / kLookTile;
+}
 
 // Where a block's voxels fall: voxel (x, y, z) of it has p = origin + in_slice(x, y) + z next_slice, and lies at depth
 // p[2] in pixel (p[0], p[1]) / p[2] of the part. Depths, as the distances in blocks, are in units of which the
@@ -79,8 +84,8 @@ struct RayBlocks {
 enum { kKeyBits = 10 };
 
 struct MappingKernels {
-  // columns x rows pixels. scratch: kLookScratch * (columns + 2 * kClearRadius) values.
-  void (*make_look)(const LookSource* source, LookPixel* look, uint16_t* scratch);
+  // columns x rows pixels, and their tiles. scratch: kLookScratch * (columns + 2 * kClearRadius) values.
+  void (*make_look)(const LookSource* source, LookPixel* look, uint16_t* farthest, uint16_t* scratch);
   // Returns kBlockChanged…
   unsigned (*integrate_block)(const IntegratePass* pass, const BlockPlace* place, int16_t* distance, uint16_t* weight,
                               uint8_t* color);
