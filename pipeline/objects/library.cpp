@@ -101,6 +101,7 @@ void ObjectLibrary::observe(const Extraction& extraction, const EmptySpace& empt
     const Observation& unclaimed = extraction.observations[static_cast<std::size_t>(association.unclaimed[u])];
     if (!inside_known(unclaimed, reach, stands)) start(unclaimed, association.unclaimed_owner[u], view);
   }
+  learn_rows();
   learn_depths(reach);
   divide(reach, step);
   merge_duplicates(association, reach, step);

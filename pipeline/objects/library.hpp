@@ -14,6 +14,7 @@
 #include "pipeline/objects/event_desk.hpp"
 #include "pipeline/objects/extract.hpp"
 #include "pipeline/objects/keyframe_motion.hpp"
+#include "pipeline/objects/row.hpp"
 #include "pipeline/objects/view.hpp"
 #include "pipeline/objects/world_rows.hpp"
 
@@ -61,7 +62,7 @@ class ObjectLibrary {
   void restore(const ObjectRow& row, std::span<const VoxelBlockRow* const> blocks);
   void restore(const WorldMeta& meta);
   ObjectRecord record_of(const MapObject& object) const;
-  std::vector<ObjectRecord> standing() const;  // of all that are confirmed
+  std::vector<ObjectRecord> standing() const;  // of all that are confirmed, but for posts
 
  private:
   std::vector<MapObject*> in_reach(const DepthView& view) const;
@@ -99,8 +100,10 @@ class ObjectLibrary {
   double deepest_m(const MapObject& object) const;  // that a thing of its class is taken to be where it was not seen
   void learn_depths(const std::vector<MapObject*>& reach);
   void learn_extents();
+  void learn_rows();
   void reshape(MapObject& object) const;  // after its volume changed
   void keep_apart(const MapObject& object, int along, std::array<double, 2>& reach_m) const;
+  Box box_in_row(const MapObject& object, const RowHabits& row) const;
   void settle(MapObject& object) const;  // its box: what was seen, what is assumed, between its neighbours
   PlaceChange change_of(const MapObject& object, TimeNs now) const;
 
@@ -132,7 +135,8 @@ class ObjectLibrary {
     double depth_m;
   };
   std::vector<KnownDepth> known_depths_;
-  struct OldPlace {  // of an object that went
+  std::vector<RowMember> row_members_;  // all that have no sure class
+  struct OldPlace {                     // of an object that went
     Box box;
     TimeNs last_present = 0;
     std::int64_t keyframe = -1;  // MapObject's

@@ -29,6 +29,14 @@ double may_reach(double gap_m, bool both) {
   return back_m > kMost_m ? 0.0 : -back_m;
 }
 
+// Moves its bottom there, unless little of it would be left.
+void stand_at(double bottom_m, Box& box) {
+  const double top_m = box.center.z() + 0.5 * box.size_m.z();
+  if (top_m - bottom_m < 0.5 * box.size_m.z()) return;
+  box.size_m.z() = top_m - bottom_m;
+  box.center.z() = 0.5 * (top_m + bottom_m);
+}
+
 }  // namespace
 
 // Of those whose ends were seen.
@@ -62,7 +70,7 @@ void ObjectLibrary::keep_apart(const MapObject& object, int along, std::array<do
   const double near_m = object.seen.box.size_m.norm() + kDeepest_m;
   for (const auto& other : objects_) {
     if (other.get() == &object || other->phase != ObjectPhase::confirmed || other->first_absent) continue;
-    if (other->class_id() != object.class_id()) continue;
+    if (other->class_id() != object.class_id() || is_post(*other)) continue;
     if ((other->T_world_volume.translation - object.T_world_volume.translation).norm() > near_m) continue;
     const auto beyond = neighbour(object, *other, along);
     if (!beyond) continue;
@@ -71,12 +79,38 @@ void ObjectLibrary::keep_apart(const MapObject& object, int along, std::array<do
   }
 }
 
+void ObjectLibrary::learn_rows() {
+  row_members_.clear();
+  for (const auto& object : objects_) {
+    if (object->phase != ObjectPhase::confirmed || object->class_binds) continue;
+    if (const auto member = row_member(*object)) row_members_.push_back(*member);
+  }
+}
+
+Box ObjectLibrary::box_in_row(const MapObject& object, const RowHabits& row) const {
+  HiddenReach hidden = object.hidden.reach(object.seen);
+  std::array<double, 2> reach_m = {hidden.minus_m, hidden.plus_m};
+  if (const auto front = front_side(object.seen)) keep_apart(object, front->along(), reach_m);
+  hidden.minus_m = reach_m[0], hidden.plus_m = reach_m[1];
+  SeenBox shown = grown(object.seen, hidden, row.width_m, row.height_m);
+  const double origin_m = object.T_world_volume.translation.z();
+  const double bottom_m = object.seen.box.center.z() - 0.5 * object.seen.box.size_m.z();
+  if (const auto board_m = board_under(row.bottoms_m, origin_m + bottom_m, hidden.below_m))
+    stand_at(*board_m - origin_m, shown.box);
+  return row.depth_m > 0.0 ? with_known_depth(shown, row.depth_m) : with_depth(shown, deepest_m(object));
+}
+
 void ObjectLibrary::settle(MapObject& object) const {
   const auto front = front_side(object.seen);
   if (!front) return;
   const double deepest = deepest_m(object);
   const auto known = extents_.find(object.class_id());
-  if (known == extents_.end() || !object.class_binds) {  // a guessed class says nothing of how wide things are
+  if (!object.class_binds) {  // a guessed class says nothing of how wide things are
+    const RowHabits row = row_habits(object, row_members_);
+    object.box = row.width_m > 0.0 ? box_in_row(object, row) : with_depth(object.seen, deepest);
+    return;
+  }
+  if (known == extents_.end()) {
     object.box = with_depth(object.seen, deepest);
     return;
   }

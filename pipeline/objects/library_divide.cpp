@@ -30,7 +30,7 @@ void ObjectLibrary::look_for_groove(MapObject& object, std::uint16_t owner, cons
   const auto front = front_side(object.seen);
   const double widest = widest_m(object);
   const bool wide = front && widest > 0.0 && object.seen.box.size_m[front->along()] > widest + kWider_m;
-  if (!wide || !object.class_binds || class_of(object).one_piece) {
+  if (!wide || class_of(object).one_piece) {
     object.profile.reset();
     return;
   }

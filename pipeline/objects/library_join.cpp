@@ -13,6 +13,13 @@ namespace {
 constexpr std::size_t kEnough = 10;
 constexpr double kMost = 0.9;
 
+// One thing twice; the one that shows less of it.
+bool is_double_of(const MapObject& part, const MapObject& whole) {
+  constexpr double kSame = 0.6;
+  const std::pair of_part(part.surface.size(), -part.id), of_whole(whole.surface.size(), -whole.id);
+  return !part.class_binds && of_part < of_whole && overlap(part.box_world(), whole.box_world()).iou > kSame;
+}
+
 // Much smaller, and most of its surface within the other's box.
 bool is_fragment_of(const MapObject& part, const MapObject& whole) {
   constexpr double kGrow_m = 0.05, kSmaller = 0.5, kWithin = 0.6;
@@ -26,8 +33,9 @@ bool is_fragment_of(const MapObject& part, const MapObject& whole) {
 
 }  // namespace
 
-// How wide things of its class are wont to be, where enough of them are known; else nothing is.
+// How wide things of its class, or its row, are wont to be, where enough of them are known; else nothing is.
 double ObjectLibrary::widest_m(const MapObject& object) const {
+  if (!object.class_binds) return row_habits(object, row_members_).widest_m;
   std::vector<double> widths;
   for (const auto& other : objects_) {
     if (other->phase != ObjectPhase::confirmed || other->class_id() != object.class_id()) continue;
@@ -71,12 +79,13 @@ void ObjectLibrary::absorb_fragments(TimeNs now, LibraryStep& step) {
   std::vector<MapObject*> seen;
   for (const auto& object : objects_) {
     const bool here = object->phase == ObjectPhase::confirmed && object->last_seen == now;
-    if (here && object->class_binds) seen.push_back(object.get());
+    if (here) seen.push_back(object.get());
   }
   std::vector<std::pair<std::int64_t, std::int64_t>> absorbed;  // from, into
   for (const MapObject* part : seen) {
     const auto whole = std::ranges::find_if(seen, [part](const MapObject* other) {
-      return other != part && other->class_id() == part->class_id() && is_fragment_of(*part, *other);
+      return other != part && other->class_id() == part->class_id() &&
+             (is_fragment_of(*part, *other) || is_double_of(*part, *other));
     });
     if (whole != seen.end()) absorbed.emplace_back(part->id, (*whole)->id);
   }

@@ -36,7 +36,7 @@ std::vector<ObjectRecord> ObjectLibrary::standing() const {
   std::vector<ObjectRecord> records;
   std::unordered_map<std::int64_t, std::size_t> index;
   for (const auto& object : objects_) {
-    if (object->phase != ObjectPhase::confirmed) continue;
+    if (object->phase != ObjectPhase::confirmed || is_post(*object)) continue;
     index[object->id] = records.size();
     records.push_back(record_without_landmarks(*object));
   }

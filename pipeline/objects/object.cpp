@@ -101,6 +101,12 @@ Box with_depth(const SeenBox& seen, double deepest_m) {
   return box;
 }
 
+Box with_known_depth(const SeenBox& seen, double depth_m) {
+  SeenBox deep{with_depth(seen, depth_m), seen.sides};
+  if (const auto front = front_side(seen)) assume_depth(deep.box, front->across, seen.sides, depth_m);
+  return deep.box;
+}
+
 bool hardly_seen(const SeenBox& seen, int side) {
   return hardly_seen(seen.sides[static_cast<std::size_t>(side)], seen.sides[static_cast<std::size_t>(side ^ 1)]);
 }
@@ -110,9 +116,11 @@ SeenBox grown(const SeenBox& seen, const HiddenReach& reach, double width_m, dou
   const auto front = front_side(seen);
   if (!front) return out;
   const int along = front->along();
-  // Negative ones draw an end back.
-  move_end(out.box, along, true, std::min(reach.plus_m, 0.0));
-  move_end(out.box, along, false, std::min(reach.minus_m, 0.0));
+  // Negative ones draw an end back; half of it is left.
+  const double back_m = -std::min(reach.plus_m, 0.0) - std::min(reach.minus_m, 0.0);
+  const double by = back_m > 0.0 ? std::min(1.0, 0.5 * out.box.size_m[along] / back_m) : 1.0;
+  move_end(out.box, along, true, by * std::min(reach.plus_m, 0.0));
+  move_end(out.box, along, false, by * std::min(reach.minus_m, 0.0));
   const double plus_m = std::max(reach.plus_m, 0.0), minus_m = std::max(reach.minus_m, 0.0), may_m = plus_m + minus_m;
   if (const double more_m = std::min(may_m, width_m - out.box.size_m[along]); may_m > 0.0 && more_m > 0.0) {
     move_end(out.box, along, true, more_m * plus_m / may_m);

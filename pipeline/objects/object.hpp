@@ -71,6 +71,8 @@ bool hardly_seen(const SeenBox& seen, int side);
 SeenBox grown(const SeenBox& seen, const HiddenReach& reach, double width_m, double height_m);
 // Of what was seen from one side only the depth is assumed: as much as its smaller visible extent, at most deepest_m.
 Box with_depth(const SeenBox& seen, double deepest_m);
+// The same with a depth that is known, but for its ends.
+Box with_known_depth(const SeenBox& seen, double depth_m);
 std::optional<Box> box_of_surface(std::span<const SurfacePoint> surface, double voxel_m, double deepest_m);
 
 // How deep it is at least; nothing unless two of its upright sides that meet were seen.

@@ -9,7 +9,7 @@ namespace povslam {
 
 struct SegmentOptions {
   int min_pixels = 500;         // of the full image
-  double max_depth_m = 5.0;     // what is farther is not looked at; things that reach it are cut off there
+  double max_depth_m = 6.0;     // what is farther is not looked at; things that reach it are cut off there
   double normal_cosine = 0.94;  // a concave fold sharper than this separates
   double jump_share = 0.01;     // of the depth: a larger jump separates…
   double jump_sigmas = 5.0;     // …if it is this many sigmas of the depth noise

@@ -201,7 +201,9 @@ std::vector<Segment> extract(Extractor& extractor, const LabelFrame& truth, Dept
 void run_scene(const BenchOptions& options, std::uint64_t seed, Scores& scores) {
   SceneViews views(options.scene, seed);
   const PinholeCamera camera = views.calibration().camera;
-  Segmenter segmenter(camera, SegmentOptions{});
+  SegmentOptions segment;
+  segment.max_depth_m = static_cast<double>(options.range_m);
+  Segmenter segmenter(camera, segment);
   Extractor extractor(ExtractOptions{}, IntegrateOptions{}.depth_sigma_quadratic_per_m);
   synthetic::Renderer renderer(views.world());
   RgbdFrame frame;

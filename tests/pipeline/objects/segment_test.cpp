@@ -119,7 +119,9 @@ TEST(Segmenter, SaysThatAThingRunsOnBeyondTheImage) {
   const Told cut = tell({{box_on_floor(1, 2.5, 1.4, {0.6, 0.8, 0.5})}});
   ASSERT_EQ(cut.segments.size(), 1U);
   EXPECT_TRUE(cut.segments[0].at_border);
-  const Told far = tell({{box_on_floor(1, 4.9, 0.0, {0.9, 0.8, 0.8}, 0.7)}});
+  SegmentOptions near;
+  near.max_depth_m = 5.0;
+  const Told far = tell({{box_on_floor(1, 4.9, 0.0, {0.9, 0.8, 0.8}, 0.7)}}, near);
   ASSERT_EQ(far.segments.size(), 1U);
   EXPECT_TRUE(far.segments[0].at_border) << "it reaches the end of the range";
 }
