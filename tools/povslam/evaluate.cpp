@@ -86,7 +86,7 @@ Status evaluate_objects(const EvaluateArguments& arguments, const SceneTruth& tr
     const auto events = read_events(arguments.events);
     if (!events) return events.error();
     scores["events"] = report_events(truth, &sightings, *events, T_truth_estimate, arguments.scene);
-    scores["events"]["moved"] = report_moved(truth, *events, now, T_truth_estimate, arguments.scene);
+    scores["events"]["moved"] = report_moved(truth, &sightings, *events, now, T_truth_estimate, arguments.scene);
   }
   return Done{};
 }

@@ -76,6 +76,14 @@ Json distances_json(std::vector<double> distances_m, double close_m) {
   return {{"count", distances_m.size()}, {"close", close}, {"median_m", median_m}, {"max_m", distances_m.back()}};
 }
 
+// Null: not known.
+const ObjectSightings* sightings_of(const SceneTruth& truth, const Sightings* sightings, int id) {
+  if (sightings == nullptr || !sightings->have_instances) return nullptr;
+  const auto object = std::ranges::find(truth.objects, id, &TrueObject::id);
+  return object == truth.objects.end() ? nullptr
+                                       : &sightings->objects[static_cast<std::size_t>(object - truth.objects.begin())];
+}
+
 double ratio(const Json& section, const char* part, const char* whole) {
   return section.at(part).get<double>() / section.at(whole).get<double>();
 }
@@ -148,7 +156,7 @@ Json report_events(const SceneTruth& truth, const Sightings* sightings, const st
   return json;
 }
 
-Json report_moved(const SceneTruth& truth, const std::vector<ReportedEvent>& events,
+Json report_moved(const SceneTruth& truth, const Sightings* sightings, const std::vector<ReportedEvent>& events,
                   const std::vector<ReportedObject>& objects, const Rigid3& T_truth_estimate,
                   const SceneReportOptions& options) {
   std::vector<ReportedEvent> said = events;
@@ -159,16 +167,23 @@ Json report_moved(const SceneTruth& truth, const std::vector<ReportedEvent>& eve
   std::vector<ReportedObject> now = objects;
   for (ReportedObject& object : now) object.box = moved(T_truth_estimate, object.box);
   Json boxes = Json::array();
-  std::vector<double> told_m, end_m;
+  std::vector<double> told_m, end_m, told_seen_m, end_seen_m;
   for (const MovedBox& box : score_moved(truth, said, now, options.max_distance_m)) {
     told_m.push_back(box.distance_m);
     if (box.end_distance_m) end_m.push_back(*box.end_distance_m);
+    const ObjectSightings* seen = sightings_of(truth, sightings, box.truth);
+    if (seen != nullptr && seen->sides_after) {
+      told_seen_m.push_back(box.distance_m);
+      if (box.end_distance_m) end_seen_m.push_back(*box.end_distance_m);
+    }
     boxes.push_back({{"object", box.object},
                      {"truth", box.truth},
                      {"distance_m", box.distance_m},
                      {"yaw_deg", box.yaw_rad * kDegPerRad},
                      {"edge_error_m", box.edge_error_m},
                      {"same_thing", box.same_thing},
+                     {"sides_seen", seen == nullptr ? Json(nullptr) : Json(seen->sides_after)},
+                     {"sides_seen_before", seen == nullptr ? Json(nullptr) : Json(seen->sides_before)},
                      {"end_distance_m", box.end_distance_m ? Json(*box.end_distance_m) : Json(nullptr)},
                      {"end_edge_error_m", box.end_edge_error_m ? Json(*box.end_edge_error_m) : Json(nullptr)}});
   }
@@ -177,6 +192,8 @@ Json report_moved(const SceneTruth& truth, const std::vector<ReportedEvent>& eve
   return {{"reported", moves},
           {"told", distances_json(std::move(told_m), options.close_m)},
           {"end", distances_json(std::move(end_m), options.close_m)},
+          {"told_sides_seen", distances_json(std::move(told_seen_m), options.close_m)},
+          {"end_sides_seen", distances_json(std::move(end_seen_m), options.close_m)},
           {"boxes", boxes}};
 }
 

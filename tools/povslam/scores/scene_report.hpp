@@ -30,8 +30,9 @@ nlohmann::ordered_json report_events(const SceneTruth& truth, const Sightings* s
                                      const std::vector<ReportedEvent>& events, const Rigid3& T_truth_estimate,
                                      const SceneReportOptions& options);
 // Of the moves reported: how many stand where they were said to, within close_m, when told and, by `objects` of the
-// same ids, at the end.
-nlohmann::ordered_json report_moved(const SceneTruth& truth, const std::vector<ReportedEvent>& events,
+// same ids, at the end; of all, and of those of which two sides that meet were seen at the new place.
+nlohmann::ordered_json report_moved(const SceneTruth& truth, const Sightings* sightings,
+                                    const std::vector<ReportedEvent>& events,
                                     const std::vector<ReportedObject>& objects, const Rigid3& T_truth_estimate,
                                     const SceneReportOptions& options);
 nlohmann::ordered_json report_objects(const SceneTruth& truth, const Sightings* sightings,

@@ -6,6 +6,7 @@
 #include "drivers/replay/image_file.hpp"
 #include "drivers/replay/text_file.hpp"
 #include "tools/povslam/progress.hpp"
+#include "tools/povslam/scores/side_sightings.hpp"
 
 namespace povslam::scores {
 namespace {
@@ -57,6 +58,35 @@ void count_points(const TrueView& view, const PlyMesh& surface_world, std::vecto
     if (sees_point(view, surface_world.vertices[i], normal_world)) ++counts[i];
   }
 }
+
+// Of things that moved, in their old places and their new ones.
+class MovedSides {
+ public:
+  explicit MovedSides(const SceneTruth& truth) {
+    for (std::size_t i = 0; i < truth.objects.size(); ++i) {
+      const TrueObject& object = truth.objects[i];
+      if (object.changed && object.before && object.after)
+        things_.push_back({i, object.switch_time, SideSightings(*object.before), SideSightings(*object.after)});
+    }
+  }
+  void look(const TrueView& view) {
+    for (Thing& thing : things_) (view.stamp > thing.switch_time ? thing.after : thing.before).look(view);
+  }
+  void tell(std::vector<ObjectSightings>& objects) const {
+    for (const Thing& thing : things_) {
+      objects[thing.index].sides_before = thing.before.two_that_meet();
+      objects[thing.index].sides_after = thing.after.two_that_meet();
+    }
+  }
+
+ private:
+  struct Thing {
+    std::size_t index;
+    TimeNs switch_time;
+    SideSightings before, after;
+  };
+  std::vector<Thing> things_;
+};
 
 // What lies behind a rim by more than this is another surface than the one measured there.
 double surface_tolerance_m(const TrueView& view, const Eigen::Vector3d& p_camera,
@@ -125,6 +155,7 @@ Result<Sightings> count_sightings(const std::filesystem::path& sequence, const S
   Sightings sightings;
   sightings.objects.resize(truth.objects.size());
   sightings.points.assign(surface_world.vertices.size(), 0);
+  MovedSides sides(truth);
   ImageReader reader;
   ImageU16 depth, instances;
   Progress progress("looking at the truth", sensor.entries.size());
@@ -141,8 +172,10 @@ Result<Sightings> count_sightings(const std::filesystem::path& sequence, const S
       sightings.have_instances = true;
       count_objects(view, truth, sightings.objects);
     }
+    sides.look(view);
     if (entry.stamp > truth.lap1_end) count_points(view, surface_world, sightings.points);
   }
+  sides.tell(sightings.objects);
   return sightings;
 }
 

@@ -44,6 +44,8 @@ struct ObjectSightings {             // frames in which ...
   std::size_t object_before = 0;     // ... up to its change (an unchanged one: ever)
   std::size_t old_place_after = 0;   // its old place was visible as empty, after its change
   std::size_t new_place_before = 0;  // its new place was, before its change
+  // Of one that moved (side_sightings.hpp): two sides that meet were seen before its change, and after it.
+  bool sides_before = false, sides_after = false;
 };
 
 struct Sightings {

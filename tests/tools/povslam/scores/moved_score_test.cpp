@@ -82,7 +82,7 @@ TEST(MovedScore, AnEdgeThatWasNotSeenToItsEndIsSaid) {
 TEST(MovedScore, WhatWasToldBadlyAndMendedLaterIsCloseAtTheEnd) {
   const std::vector<ReportedEvent> events{moved(box_at(0.0, 0.0), box_at(5.3, 0.0), 7),
                                           moved(box_at(0.0, 5.0), box_at(5.0, 5.06), 8)};
-  const auto json = report_moved(scene(), events, {{"box", box_at(5.02, 0.0), 7}}, Rigid3{}, {});
+  const auto json = report_moved(scene(), nullptr, events, {{"box", box_at(5.02, 0.0), 7}}, Rigid3{}, {});
   EXPECT_EQ(json.at("reported"), 2);
   EXPECT_EQ(json.at("told").at("close"), 1);
   EXPECT_NEAR(json.at("told").at("median_m").get<double>(), 0.18, 1e-12);
@@ -92,11 +92,26 @@ TEST(MovedScore, WhatWasToldBadlyAndMendedLaterIsCloseAtTheEnd) {
   EXPECT_NEAR(json.at("end").at("max_m").get<double>(), 0.02, 1e-12);
 }
 
+TEST(MovedScore, ThoseWhoseSidesWereSeenAreCountedByThemselves) {
+  const std::vector<ReportedEvent> events{moved(box_at(0.0, 0.0), box_at(5.3, 0.0), 7),
+                                          moved(box_at(0.0, 5.0), box_at(5.0, 5.06), 8)};
+  Sightings sightings;
+  sightings.have_instances = true;
+  sightings.objects.resize(3);
+  sightings.objects[0].sides_before = sightings.objects[1].sides_after = true;
+  const auto json = report_moved(scene(), &sightings, events, {}, Rigid3{}, {});
+  EXPECT_EQ(json.at("told").at("count"), 2);
+  EXPECT_EQ(json.at("told_sides_seen").at("count"), 1);
+  EXPECT_EQ(json.at("told_sides_seen").at("close"), 1);
+  EXPECT_EQ(json.at("boxes").at(0).at("sides_seen"), false);
+  EXPECT_EQ(json.at("boxes").at(0).at("sides_seen_before"), true);
+}
+
 TEST(MovedScore, ARunInAnotherWorldIsBroughtOntoTheTruthFirst) {
   Rigid3 T_truth_estimate;
   T_truth_estimate.translation = {5.0, 0.0, 0.0};
   const std::vector<ReportedEvent> events{moved(box_at(-5.0, 0.0), box_at(0.04, 0.0), 7)};
-  const auto json = report_moved(scene(), events, {{"box", box_at(0.01, 0.0), 7}}, T_truth_estimate, {});
+  const auto json = report_moved(scene(), nullptr, events, {{"box", box_at(0.01, 0.0), 7}}, T_truth_estimate, {});
   EXPECT_NEAR(json.at("told").at("max_m").get<double>(), 0.04, 1e-12);
   EXPECT_NEAR(json.at("end").at("max_m").get<double>(), 0.01, 1e-12);
   EXPECT_EQ(json.at("boxes").at(0).at("same_thing"), true);
