@@ -79,12 +79,12 @@ std::vector<Frame> make_frames(const std::string& scene, Times& build_times) {
   return frames;
 }
 
+#ifdef POVSLAM_OPEN3D
 // Its voxels lie at whole multiples of their size, ours in the middle between.
 Rigid3 half_a_voxel(const VolumeOptions& options) {
   return {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Constant(-0.5 * options.voxel_size_m)};
 }
 
-#ifdef POVSLAM_OPEN3D
 struct Differences {
   std::int64_t ours = 0, theirs = 0, both = 0;
   std::vector<double> of_m;
